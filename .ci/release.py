@@ -265,9 +265,11 @@ def write_debian_package(folder, target, version, glibc):
         control.write_text(
             f"Package: iiwasim\nVersion: {version}\nArchitecture: {architecture}\n"
             "Maintainer: The iiwasim developers <iiwasim@localhost>\n"
-            f"Depends: libc6 (>= {glibc}), libgcc-s1\nSection: science\nPriority: optional\nInstalled-Size: {size_kb}\n"
+            f"Depends: libc6 (>= {glibc}), libgcc-s1\nSection: science\nPriority: "
+            f"optional\nInstalled-Size: {size_kb}\n"
             "Description: motion simulator for the KUKA LBR iiwa\n"
-            " Plans motion programs, runs them on the robot or a simulated one, and holds what was\n"
+            " Plans motion programs, runs them on the robot or a simulated one, and holds what "
+            "was\n"
             " measured against the plan.\n"
         )
         package = DIST / f"iiwasim_{version}_{architecture}.deb"

@@ -114,7 +114,8 @@ def main() -> None:
                 path.write_text(new)
     if wrong and "--renew" not in sys.argv:
         sys.exit(
-            f"{' and '.join(wrong)}: the crates or their arrows have changed; tests/arrows.py --renew draws them"
+            f"{' and '.join(wrong)}: the crates or their arrows have changed; tests/arrows.py "
+            "--renew draws them"
         )
     print("The arrows are as drawn.")
 

@@ -135,7 +135,8 @@ def main() -> None:
             risen.append(habit)
     if risen:
         print(
-            f"tests/prose.py --places '{risen[0]}' lists them; CONTRIBUTING.md says what to write instead"
+            f"tests/prose.py --places '{risen[0]}' lists them; CONTRIBUTING.md says what to write "
+            "instead"
         )
     sys.exit(bool(risen))
 

@@ -54,7 +54,7 @@ fn against_peers(criterion: &mut Criterion) -> Result<()> {
 }
 
 /// Longest sampled time of one plan: ten samples of a slower plan take too long.
-const MOST: Duration = Duration::from_secs(3);
+const MAX_DURATION: Duration = Duration::from_secs(3);
 
 /// Programs without a stop are planned as a whole: their time should grow at most linearly.
 fn growth(criterion: &mut Criterion) -> Result<()> {
@@ -68,7 +68,7 @@ fn growth(criterion: &mut Criterion) -> Result<()> {
         let start = Instant::now();
         Trajectory::plan(&path, timing)?;
         let once = start.elapsed();
-        if once > MOST {
+        if once > MAX_DURATION {
             let once_s = once.as_secs_f64();
             eprintln!("growth, jerk/{motions} motions: not sampled, one plan takes {once_s:.1} s");
             continue;

@@ -38,9 +38,9 @@ fn forward(criterion: &mut Criterion) {
         Err(error) => eprintln!("k: {error}"),
     }
 
-    let mut found = vec![Pose::IDENTITY; POSES];
+    let mut poses = vec![Pose::IDENTITY; POSES];
     group.bench_function("iiwa-kin tcp_batch", |bencher| {
-        bencher.iter(|| robot.flange_pose_batch(black_box(&joints), black_box(&mut found)));
+        bencher.iter(|| robot.flange_pose_batch(black_box(&joints), black_box(&mut poses)));
     });
     group.finish();
 }

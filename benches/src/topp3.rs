@@ -27,7 +27,7 @@ const UNIT_S: f64 = 0.25;
 /// Stopping criteria: the relative change of the duration in the last step, and the maximum number
 /// of steps.
 const SETTLED: f64 = 1e-4;
-const MOST_STEPS: usize = 10;
+const MAX_STEPS: usize = 10;
 
 /// Objective of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,7 +183,7 @@ impl JerkSamples {
             };
             let before = duration;
             duration = socp::s_to_t_topp3(&distance, profile.as_parts(), 0.0)?.0;
-            if iterations == MOST_STEPS || (before / duration - 1.0).abs() < SETTLED {
+            if iterations == MAX_STEPS || (before / duration - 1.0).abs() < SETTLED {
                 return Ok(Solution { duration_s: duration * UNIT_S, iterations });
             }
             squared_speed = profile.a;
@@ -278,12 +278,12 @@ impl Piece<'_> {
         let s1 = 1.0 / (p * tangent);
         let s2 = -r / (p.powi(3) * tangent.powi(2));
         let s3 = (3.0 * r * r - p * w) / (p.powi(5) * tangent.powi(3));
-        let at = self.segment.at(s);
+        let point = self.segment.at(s);
         [
-            at.dq.map(|q1| q1 * s1),
-            std::array::from_fn(|j| at.ddq[j] * s1 * s1 + at.dq[j] * s2),
+            point.dq.map(|q1| q1 * s1),
+            std::array::from_fn(|j| point.ddq[j] * s1 * s1 + point.dq[j] * s2),
             std::array::from_fn(|j| {
-                at.dddq[j] * s1.powi(3) + 3.0 * at.ddq[j] * s1 * s2 + at.dq[j] * s3
+                point.dddq[j] * s1.powi(3) + 3.0 * point.ddq[j] * s1 * s2 + point.dq[j] * s3
             }),
         ]
     }
@@ -320,7 +320,7 @@ mod tests {
         let program = Program::from_json(&reference::ten_motions().unwrap()).unwrap();
         let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
         let expected = reference::ten_motions_jerk_s().unwrap();
-        for (intervals, most) in [(20, 0.035), (50, 0.015)] {
+        for (intervals, tolerance) in [(20, 0.035), (50, 0.015)] {
             let samples = JerkSamples::new(&path, intervals).unwrap();
             let conic = samples.solve(Solver::Conic).unwrap();
             let linear = samples.solve(Solver::Linear).unwrap();
@@ -328,8 +328,8 @@ mod tests {
                 "{intervals} intervals a segment, reference {expected} s: {conic:?} {linear:?}"
             );
             let above = conic.duration_s / expected - 1.0;
-            assert!(above > 0.0 && above < most, "{above}");
-            assert!(conic.iterations < MOST_STEPS && linear.iterations < MOST_STEPS);
+            assert!(above > 0.0 && above < tolerance, "{above}");
+            assert!(conic.iterations < MAX_STEPS && linear.iterations < MAX_STEPS);
             // The linear solver has another objective, so its time is no shorter.
             let above = linear.duration_s / conic.duration_s - 1.0;
             assert!(above > 0.0 && above < 0.002, "{above}");

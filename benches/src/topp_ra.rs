@@ -42,18 +42,18 @@ impl AccelerationSamples {
             let length = segment.tangent_lengths_rad()[0];
             for i in 0..=intervals {
                 let s = i as f64 / intervals as f64;
-                let at = segment.at(s);
+                let point = segment.at(s);
                 if i == 0
                     && let Some(last) = samples.velocity.len().checked_sub(1)
                 {
                     // The limits of both neighbours apply at their join.
-                    least(&mut samples.velocity[last], limits.velocity_rad_s());
-                    least(&mut samples.acceleration[last], limits.acceleration_rad_s2());
+                    lower_to(&mut samples.velocity[last], limits.velocity_rad_s());
+                    lower_to(&mut samples.acceleration[last], limits.acceleration_rad_s2());
                     continue;
                 }
                 samples.distance.push(start + s * length);
-                samples.first.push(at.dq.map(|v| v / length));
-                samples.second.push(at.ddq.map(|v| v / (length * length)));
+                samples.first.push(point.dq.map(|v| v / length));
+                samples.second.push(point.ddq.map(|v| v / (length * length)));
                 samples.velocity.push(*limits.velocity_rad_s());
                 samples.acceleration.push(*limits.acceleration_rad_s2());
             }
@@ -90,7 +90,7 @@ impl AccelerationSamples {
     }
 }
 
-fn least(values: &mut Joints, others: &Joints) {
+fn lower_to(values: &mut Joints, others: &Joints) {
     for (value, other) in values.iter_mut().zip(others) {
         *value = value.min(*other);
     }

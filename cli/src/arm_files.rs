@@ -83,7 +83,8 @@ impl Files {
         match folders.iter().map(|folder| folder.join(file)).find(|path| path.is_file()) {
             Some(path) => Ok(path),
             None if folders.is_empty() => Err(format!(
-                "unknown package {package}: --package-path names the folder that it is in, or its own"
+                "unknown package {package}: --package-path names the folder that it is in, or its \
+                 own"
             )),
             None => Err(format!("the package {package} has no file {file}")),
         }
@@ -95,9 +96,9 @@ impl Files {
         let is_called = |folder: &Path| folder.file_name().is_some_and(|last| last == name);
         let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let inside = self.packages.iter().map(|folder| folder.join(name));
-        let own = self.packages.iter().map(|folder| real(folder)).filter(|it| is_called(it));
+        let matches = self.packages.iter().map(|folder| real(folder)).filter(|it| is_called(it));
         let urdf = real(&self.path);
         let around = urdf.ancestors().filter(|folder| is_called(folder)).map(Path::to_owned);
-        inside.chain(own).chain(around).filter(|folder| folder.is_dir()).collect()
+        inside.chain(matches).chain(around).filter(|folder| folder.is_dir()).collect()
     }
 }

@@ -45,7 +45,7 @@ pub(crate) fn mqtt_connection(mqtt: &args::Mqtt) -> Result<Option<MqttConnection
 
 fn broker_access(options: &args::BrokerAccess<'_>) -> Result<BrokerAccess, Failure> {
     let client_certificate =
-        options.own.map(|(certificate, key)| (certificate.clone(), key.clone()));
+        options.client_certificate.map(|(certificate, key)| (certificate.clone(), key.clone()));
     let tls = (options.tls || options.authority.is_some() || client_certificate.is_some())
         .then(|| TlsFiles { authority: options.authority.cloned(), client_certificate });
     let credentials = options.user.map(|(user, file)| credentials(user, file)).transpose()?;
@@ -67,14 +67,14 @@ pub(crate) fn credentials(user: &str, file: &Path) -> Result<Credentials, Failur
 /// Converts the error of a bridge that did not start: invalid input if the options are wrong.
 pub(crate) fn failure(error: &BridgeError) -> Failure {
     match error {
-        BridgeError::Link(error) => connection::refused(error),
+        BridgeError::Link(error) => connection::link_failure(error),
         BridgeError::RobotName { .. }
         | BridgeError::SameName { .. }
         | BridgeError::Certificate { .. }
         | BridgeError::Settings { .. } => Failure::input(with_causes(error)),
         BridgeError::SpoolInUse { .. } => {
-            Failure::Run { what: format!("{error} (--spool)"), cause: None }
+            Failure::Run { message: format!("{error} (--spool)"), cause: None }
         }
-        error => Failure::Run { what: with_causes(error), cause: None },
+        error => Failure::Run { message: with_causes(error), cause: None },
     }
 }

@@ -17,7 +17,8 @@ use crate::{
 
 /// Connects a client to a drive.
 pub(crate) fn client(drive: &DriveAddress) -> Result<Client, Failure> {
-    Client::new(&remote(&drive.keys)?, &drive.drive.to_string()).map_err(|error| refused(&error))
+    Client::new(&remote(&drive.keys)?, &drive.drive.to_string())
+        .map_err(|error| link_failure(&error))
 }
 
 /// Returns the keys for a connection to a drive.
@@ -25,7 +26,7 @@ pub(crate) fn remote(keys: &ClientKeys) -> Result<Remote, Failure> {
     match (&keys.key, &keys.server_key) {
         (Some(key), Some(server)) => ClientSecurity::read(key, server)
             .map(Remote::with_keys)
-            .map_err(|error| refused(&error.into())),
+            .map_err(|error| link_failure(&error.into())),
         _ => Ok(Remote::open()),
     }
 }
@@ -36,11 +37,11 @@ pub(crate) fn server(keys: &ServerKeys) -> Result<Server, Failure> {
         (Some(key), Some(allow)) => ServerSecurity::read(key, allow).map(Server::with_keys),
         _ => Ok(Server::open()),
     };
-    server.map_err(|error| refused(&error.into()))
+    server.map_err(|error| link_failure(&error.into()))
 }
 
 /// Converts the error of a failed connection: invalid input if the options are wrong.
-pub(crate) fn refused(error: &LinkError) -> Failure {
+pub(crate) fn link_failure(error: &LinkError) -> Failure {
     match error {
         LinkError::Config { .. }
         | LinkError::ControllerAddress { .. }
@@ -64,7 +65,7 @@ pub(crate) fn not_started(error: &LinkError, options: &str) -> Failure {
         LinkError::Bind { source, .. } | LinkError::Udp { source, .. } => {
             not_listening(error, source, options)
         }
-        error => refused(error),
+        error => link_failure(error),
     }
 }
 
@@ -75,22 +76,22 @@ pub(crate) fn not_listening(error: &dyn Error, cause: &io::Error, options: &str)
     } else {
         String::new()
     };
-    Failure::Run { what: printable(&format!("{}{hint}", with_causes(error))), cause: None }
+    Failure::Run { message: printable(&format!("{}{hint}", with_causes(error))), cause: None }
 }
 
 /// Converts the error of a failed request.
-pub(crate) fn failed(what: &str, error: &ClientError) -> Failure {
+pub(crate) fn failed(message: &str, error: &ClientError) -> Failure {
     match error {
         ClientError::Refused { refusal, .. }
             if matches!(refusal.code, Code::BadRequest | Code::Limit) =>
         {
-            Failure::input(format!("{what}: {refusal}"))
+            Failure::input(format!("{message}: {refusal}"))
         }
-        ClientError::Link(error) => refused(error),
+        ClientError::Link(error) => link_failure(error),
         ClientError::Unreachable { .. } | ClientError::Unauthorized { .. } => {
-            Failure::run(what, &io::Error::other(explained(error)))
+            Failure::run(message, &io::Error::other(explained(error)))
         }
-        error => Failure::run(what, error),
+        error => Failure::run(message, error),
     }
 }
 
@@ -116,8 +117,8 @@ fn one_side(reason: &str) -> &'static str {
 fn hint(error: &LinkError) -> &'static str {
     match error {
         LinkError::Security(SecurityError::BindNeedsKeys { .. }) => {
-            ". Make keys with `iiwasim keygen drive`, then give --key drive.key and --allow with the \
-             clients' .pub files"
+            ". Make keys with `iiwasim keygen drive`, then give --key drive.key and --allow with \
+             the clients' .pub files"
         }
         LinkError::Security(SecurityError::ConnectNeedsKeys { .. }) => {
             ". Make keys with `iiwasim keygen NAME`, then give --key NAME.key and --server-key (a \

@@ -18,20 +18,20 @@ pub(crate) enum Failure {
     /// The input is invalid.
     Input(Box<Problem>),
     /// The command failed at run time.
-    Run { what: String, cause: Option<String> },
+    Run { message: String, cause: Option<String> },
     /// The command succeeded, but a gate was violated.
     Gate(String),
 }
 
 impl Failure {
     /// Creates a failure for invalid input, without an excerpt.
-    pub(crate) fn input(what: impl Into<String>) -> Self {
-        let what = printable(&what.into());
-        Self::Input(Box::new(Problem { what, excerpt: None }))
+    pub(crate) fn input(message: impl Into<String>) -> Self {
+        let message = printable(&message.into());
+        Self::Input(Box::new(Problem { message, excerpt: None }))
     }
 
     /// Creates a failure for a fault at a place in a text.
-    pub(crate) fn in_text(what: &str, place: &Place, name: &str, text: &str) -> Self {
+    pub(crate) fn in_text(message: &str, place: &Place, name: &str, text: &str) -> Self {
         // Only the beginning of a long object is marked.
         let marked = place.span.start..place.span.end.min(place.span.start + 60);
         let excerpt = can_be_shown(text, place).then(|| Excerpt {
@@ -40,7 +40,7 @@ impl Failure {
             marked,
         });
         Self::Input(Box::new(Problem {
-            what: printable(&format!("{name}, {place}: {what}")),
+            message: printable(&format!("{name}, {place}: {message}")),
             excerpt,
         }))
     }
@@ -60,8 +60,8 @@ impl Failure {
                 )
             }
             Error::UnknownRobot { place, .. } => {
-                let what = format!("{}; --robot takes any other", error.message());
-                Self::in_text(&what, place, name, text)
+                let message = format!("{}; --robot takes any other", error.message());
+                Self::in_text(&message, place, name, text)
             }
             Error::Plan { error: plan, .. } => match &**plan {
                 PlanError::Timing(TimingError::Interrupted) => Self::interrupted(),
@@ -87,43 +87,46 @@ impl Failure {
 
     /// Creates the failure for an interrupt.
     pub(crate) fn interrupted() -> Self {
-        Self::Run { what: "interrupted".to_owned(), cause: None }
+        Self::Run { message: "interrupted".to_owned(), cause: None }
     }
 
     /// Creates a run-time failure with its cause.
-    pub(crate) fn run(what: impl Into<String>, error: &dyn Error) -> Self {
+    pub(crate) fn run(message: impl Into<String>, error: &dyn Error) -> Self {
         // Parts may have been received over the network.
-        Self::Run { what: printable(&what.into()), cause: Some(printable(&with_causes(error))) }
+        Self::Run {
+            message: printable(&message.into()),
+            cause: Some(printable(&with_causes(error))),
+        }
     }
 
     /// Creates a run-time failure whose error names the failed operation.
     pub(crate) fn broken(error: &dyn Error) -> Self {
-        Self::Run { what: printable(&with_causes(error)), cause: None }
+        Self::Run { message: printable(&with_causes(error)), cause: None }
     }
 
     /// Adds the name of the program as a prefix, unless the text begins with it already.
     pub(crate) fn about(mut self, program: &str) -> Self {
         let program = printable(program);
-        let what = match &mut self {
-            Self::Input(problem) => Some(&mut problem.what),
-            Self::Run { what, .. } | Self::Gate(what) => Some(what),
+        let message = match &mut self {
+            Self::Input(problem) => Some(&mut problem.message),
+            Self::Run { message, .. } | Self::Gate(message) => Some(message),
         };
-        if let Some(what) = what {
-            let begins = what.strip_prefix("cannot read ").unwrap_or(what);
+        if let Some(message) = message {
+            let begins = message.strip_prefix("cannot read ").unwrap_or(message);
             let rest = begins.strip_prefix(&program);
             if !rest.is_some_and(|rest| rest.starts_with([',', ':', ' '])) {
-                *what = format!("{program}: {what}");
+                *message = format!("{program}: {message}");
             }
         }
         self
     }
 
     /// Formats the failure in one line.
-    pub(crate) fn what(&self) -> String {
+    pub(crate) fn message(&self) -> String {
         match self {
-            Self::Input(problem) => problem.what.clone(),
-            Self::Run { what, cause: Some(cause) } => format!("{what}: {cause}"),
-            Self::Run { what, cause: None } | Self::Gate(what) => what.clone(),
+            Self::Input(problem) => problem.message.clone(),
+            Self::Run { message, cause: Some(cause) } => format!("{message}: {cause}"),
+            Self::Run { message, cause: None } | Self::Gate(message) => message.clone(),
         }
     }
 
@@ -131,8 +134,8 @@ impl Failure {
     pub(crate) fn text(&self) -> String {
         let text = match self {
             Self::Input(problem) => problem.text(),
-            Self::Run { .. } => format!("Error: {}", self.what()),
-            Self::Gate(what) => format!("Gate not met: {what}"),
+            Self::Run { .. } => format!("Error: {}", self.message()),
+            Self::Gate(condition) => format!("Gate not met: {condition}"),
         };
         format!("{}\n", text.trim_end())
     }
@@ -192,7 +195,7 @@ pub(crate) fn print_note(text: &str) {
 /// Returns true if the lines around a place can be shown: short, without control characters.
 fn can_be_shown(text: &str, place: &Place) -> bool {
     const MAX_LINE: usize = 400;
-    let from = text[..place.span.start].rfind('\n').map_or(0, |at| at + 1);
+    let from = text[..place.span.start].rfind('\n').map_or(0, |newline| newline + 1);
     let to = text[from..].lines().take(3).map(str::len).max().unwrap_or(0);
     let before = text[..from].trim_end_matches('\n').rsplit('\n').next().map_or(0, str::len);
     let is_control = |c: char| c.is_control() && !c.is_whitespace();
@@ -202,7 +205,7 @@ fn can_be_shown(text: &str, place: &Place) -> bool {
 /// Invalid input.
 #[derive(Debug)]
 pub(crate) struct Problem {
-    what: String,
+    message: String,
     excerpt: Option<Excerpt>,
 }
 
@@ -219,7 +222,7 @@ impl Problem {
     /// Formats the problem with the line and a mark under the place, in colours, which
     /// [`print_note`] strips if standard error is not a terminal.
     fn text(&self) -> String {
-        let title = Level::ERROR.with_name("Error").primary_title(&self.what);
+        let title = Level::ERROR.with_name("Error").primary_title(&self.message);
         let report = match &self.excerpt {
             None => Group::with_title(title),
             Some(Excerpt { name, text, marked }) => title.element(

@@ -39,7 +39,7 @@ impl JsonKind {
 
     /// Returns the hint for a file of this kind given in place of a `wanted` one.
     fn hint(self, wanted: &str) -> String {
-        let (own, place) = match self {
+        let (actual, place) = match self {
             Self::Program => ("motion program", ""),
             Self::Profile => ("robot profile", ": it belongs to --robot"),
             Self::Scene => ("scene", ": it belongs to --scene"),
@@ -47,13 +47,13 @@ impl JsonKind {
                 ("file of tools, bases and frames", ": programs name it under `include`")
             }
         };
-        format!("is a {own}, not a {wanted}{place}")
+        format!("is a {actual}, not a {wanted}{place}")
     }
 }
 
 /// Returns the message about a file that is of another kind than expected, if its kind is known.
-pub(crate) fn other_kind(name: &str, text: &str, own: JsonKind, wanted: &str) -> Option<String> {
-    let kind = JsonKind::of(text).filter(|kind| *kind != own)?;
+pub(crate) fn other_kind(name: &str, text: &str, actual: JsonKind, wanted: &str) -> Option<String> {
+    let kind = JsonKind::of(text).filter(|kind| *kind != actual)?;
     Some(format!("{name} {}", kind.hint(wanted)))
 }
 

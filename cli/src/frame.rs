@@ -60,7 +60,8 @@ impl Workplace {
         }
         if self.place.program.is_none() {
             return Err(Failure::input(format!(
-                "--frame: `{}` is not a JSON object; the name of a frame needs --program, the file that has it",
+                "--frame: `{}` is not a JSON object; the name of a frame needs --program, the file \
+                 that has it",
                 excerpt(text)
             )));
         }
@@ -69,8 +70,8 @@ impl Workplace {
 
     /// Returns a target frame, and the corresponding flange pose in the robot base.
     pub(crate) fn target(&self, target: &TargetRef) -> Result<(Target, Pose), Failure> {
-        let found = self.workcell.target(target, self.place.base.as_deref());
-        let (target, pose) = found.map_err(|fault| Failure::input(fault.to_string()))?;
+        let resolved = self.workcell.target(target, self.place.base.as_deref());
+        let (target, pose) = resolved.map_err(|fault| Failure::input(fault.to_string()))?;
         let flange = match self.tcp {
             Pose::IDENTITY => pose,
             tcp => pose.then(&tcp.inverse()),

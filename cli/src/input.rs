@@ -82,24 +82,24 @@ pub(crate) struct Input {
 impl Input {
     /// Creates the input for a program without a file.
     #[cfg(feature = "sunrise")]
-    pub(crate) fn made(name: String, program: Program, robot: Robot) -> Self {
+    pub(crate) fn generated(name: String, program: Program, robot: Robot) -> Self {
         let request = PlanRequest { robot: Some(robot), ..PlanRequest::default() };
         Self { name, source: program.into(), request }
     }
 
     /// Returns the robot of the plan.
     pub(crate) fn robot(&self) -> Result<Robot, Failure> {
-        self.request.robot(&self.source).map_err(|error| self.refuse(&error))
+        self.request.robot(&self.source).map_err(|error| self.to_failure(&error))
     }
 
     /// Returns the failure for an error of reading or planning.
-    pub(crate) fn refuse(&self, error: &iiwa_plan::Error) -> Failure {
+    pub(crate) fn to_failure(&self, error: &iiwa_plan::Error) -> Failure {
         Failure::program(error, &self.name, self.source.text.as_read())
     }
 
     /// Plans the whole program.
     pub(crate) fn plan(&self) -> Result<Plan, Failure> {
-        self.request.plan(&self.source).map_err(|error| self.refuse(&error))
+        self.request.plan(&self.source).map_err(|error| self.to_failure(&error))
     }
 }
 
@@ -174,10 +174,10 @@ fn mesh(path: &Path, name: &str) -> Result<Vec<u8>, String> {
 
 /// Opens a file.
 pub(crate) fn open(path: &Path) -> Result<File, Failure> {
-    let refuse = |error| Failure::input(format!("cannot read {}: {error}", path.display()));
-    let file = File::open(path).map_err(refuse)?;
+    let to_failure = |error| Failure::input(format!("cannot read {}: {error}", path.display()));
+    let file = File::open(path).map_err(to_failure)?;
     if file.metadata().is_ok_and(|kind| kind.is_dir()) {
-        return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
+        return Err(to_failure(io::Error::from(io::ErrorKind::IsADirectory)));
     }
     Ok(file)
 }

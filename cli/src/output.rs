@@ -35,7 +35,8 @@ pub(crate) fn keep_existing(kind: OutputKind, path: &Path, overwrite: bool) -> R
         return Ok(());
     }
     Err(Failure::input(format!(
-        "{} exists; a {} is not written over another file: name one with --output, or give --overwrite",
+        "{} exists; a {} is not written over another file: name one with --output, or give \
+         --overwrite",
         path.display(),
         kind.name()
     )))

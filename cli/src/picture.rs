@@ -26,6 +26,6 @@ pub(crate) fn output(path: &Path) -> Result<Output, Failure> {
 
 /// Encodes a drawing in SVG for the file `path`.
 pub(crate) fn content(path: &Path, svg: String) -> Result<Vec<u8>, Failure> {
-    let refuse = |error| Failure::run(format!("cannot draw {}", path.display()), &error);
-    format(path)?.encode(svg).map_err(refuse)
+    let to_failure = |error| Failure::run(format!("cannot draw {}", path.display()), &error);
+    format(path)?.encode(svg).map_err(to_failure)
 }

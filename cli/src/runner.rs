@@ -26,7 +26,7 @@ pub(crate) fn connect(drive: &DriveAddress, stream: &Endpoint) -> Result<DriveCo
     let remote = connection::remote(&drive.keys)?;
     let clients = [connection::client(drive)?, connection::client(drive)?];
     let stream = Stream::with_torques(&remote, &stream.to_string())
-        .map_err(|error| connection::refused(&error))?;
+        .map_err(|error| connection::link_failure(&error))?;
     Ok(DriveConnection::of(clients, stream))
 }
 
@@ -35,7 +35,8 @@ pub(crate) fn connect(drive: &DriveAddress, stream: &Endpoint) -> Result<DriveCo
 pub(crate) fn hint(refusal: &Refusal) -> &'static str {
     match refusal.code {
         Code::BadRequest => {
-            "; `iiwasim run --as-trajectory` sends the planned trajectory, which needs no planning by the controller"
+            "; `iiwasim run --as-trajectory` sends the planned trajectory, which needs no planning \
+             by the controller"
         }
         _ => "",
     }
@@ -89,15 +90,15 @@ pub(crate) fn go_to_start(
     start_rad: &Joints,
     robot: &Robot,
 ) -> Result<(), Failure> {
-    let ask =
+    let request =
         |error: ClientError| connection::failed("cannot ask for the position of the robot", &error);
-    let status = drive.client().state().map_err(ask)?;
+    let status = drive.client().state().map_err(request)?;
     if status.state != DriveState::Idle {
-        let what = "the robot is busy: it is running another program".to_owned();
-        return Err(Failure::Run { what, cause: None });
+        let message = "the robot is busy: it is running another program".to_owned();
+        return Err(Failure::Run { message, cause: None });
     }
     let Some(joints_rad) = position(&status) else {
-        return Err(Failure::Run { what: unknown_position(&status), cause: None });
+        return Err(Failure::Run { message: unknown_position(&status), cause: None });
     };
     if let Some(caution) = status.conditions.as_ref().and_then(Conditions::caution) {
         print_note(&format!("Warning: {caution}\n"));
@@ -108,18 +109,18 @@ pub(crate) fn go_to_start(
     }
     let Some(percent) = move_to_start else {
         return Err(Failure::Run {
-            what: format!("{offset}; --move-to-start moves it there first"),
+            message: format!("{offset}; --move-to-start moves it there first"),
             cause: None,
         });
     };
     print_note("Moving to the start\n");
-    let there = Ptp::to(*start_rad).velocity(percent / 100.0);
-    let approach = MotionList::from(vec![Motion::Ptp(there)]);
+    let approach = Ptp::to(*start_rad).velocity(percent / 100.0);
+    let approach = MotionList::from(vec![Motion::Ptp(approach)]);
     // The controller plans this motion by itself: the plan serves only to estimate the time.
     let plan = PlanOptions::default().plan(&approach.clone().starting_at(joints_rad), robot);
     let plan = plan.map_err(|error| {
-        let what = "the robot cannot move to the start in a straight line in joint space";
-        Failure::run(what, &error)
+        let message = "the robot cannot move to the start in a straight line in joint space";
+        Failure::run(message, &error)
     })?;
     let request = Request::motions(approach).labelled(RunLabel::of_robot(robot));
     execute_with_progress(drive, &request, plan.cycle_time_s(), Progress::of_approach())
@@ -136,13 +137,13 @@ pub(crate) fn recording(
     program: &str,
 ) -> Result<Vec<u8>, Failure> {
     log.to_mcap(file, robot, program).map_err(|error| {
-        let what = match error {
+        let message = match error {
             WriteError::EpochOutOfRange { .. } | WriteError::StampOutOfRange { .. } => {
                 "cannot write the recording; --epoch gives it another time"
             }
             _ => "cannot write the recording",
         };
-        Failure::run(what, &error)
+        Failure::run(message, &error)
     })
 }
 

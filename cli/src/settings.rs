@@ -140,8 +140,8 @@ fn has_default(arg: &Arg) -> bool {
 
 /// Returns the file in this folder, or in the nearest folder above that has one.
 fn nearest() -> Option<PathBuf> {
-    let here = env::current_dir().ok()?;
-    let found = here.ancestors().map(|folder| folder.join(FILE)).find(|file| file.is_file())?;
+    let folder = env::current_dir().ok()?;
+    let file = folder.ancestors().map(|folder| folder.join(FILE)).find(|file| file.is_file())?;
     // Messages name a file in this folder without its path.
-    Some(found.strip_prefix(&here).map_or_else(|_| found.clone(), Path::to_owned))
+    Some(file.strip_prefix(&folder).map_or_else(|_| file.clone(), Path::to_owned))
 }

@@ -71,18 +71,18 @@ pub(crate) fn program(
         .import(answering.application.as_deref())
         .map_err(|error| failure(folder, &error))?;
     // A missing duration has a separate note.
-    let is_open = |own: &&Question| !own.is_given && own.kind != QuestionKind::Time;
+    let is_open = |question: &&Question| !question.is_given && question.kind != QuestionKind::Time;
     for question in import.questions.iter().filter(is_open) {
         print_note(&printable(&format!(
             "Note: {}:{} asks {:?}, answered by {}\n",
-            question.file, question.line, question.asked, question.answer
+            question.file, question.line, question.subject, question.answer
         )));
     }
     for note in &import.notes {
         let text = with_options(&note.text);
         print_note(&printable(&format!("Note: {}: {text}\n", note.source)));
     }
-    Ok(Input::made(import.application.name, import.program, import.robot))
+    Ok(Input::generated(import.application.name, import.program, import.robot))
 }
 
 /// Returns the given robot, with its name: from the option, the answers, or the settings.
@@ -112,7 +112,7 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
         Some(file) => {
             let Text { name, text } = Text::read(file)?;
             Answers::from_toml(&text)
-                .map_err(|error| Failure::in_text(&error.what, &error.at, &name, &text))?
+                .map_err(|error| Failure::in_text(&error.message, &error.place, &name, &text))?
         }
     };
     if answering.answers.is_none() && file.is_some() {
@@ -120,10 +120,12 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
     }
     for given in &answering.answer {
         let (text, numbers) = pair("--answer", given)?;
-        let numbers: Result<Vec<_>, _> = numbers.split(',').map(|own| own.trim().parse()).collect();
+        let numbers: Result<Vec<_>, _> =
+            numbers.split(',').map(|number| number.trim().parse()).collect();
         let numbers = numbers.map_err(|_| {
             Failure::input(format!(
-                "--answer {given}: after = is the number of a button, from 0, or several with commas"
+                "--answer {given}: after = is the number of a button, from 0, or several with \
+                 commas"
             ))
         })?;
         // Options override the file's answers to the same dialogs.
@@ -140,7 +142,8 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
     }
     for given in &answering.fired {
         let (place, values) = pair("--fired", given)?;
-        let values: Result<Vec<_>, _> = values.split(',').map(|own| own.trim().parse()).collect();
+        let values: Result<Vec<_>, _> =
+            values.split(',').map(|value| value.trim().parse()).collect();
         let values = values.map_err(|_| {
             Failure::input(format!(
                 "--fired {given}: after = is true or false, or several of these with commas"
@@ -150,16 +153,17 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
     }
     for given in &answering.time {
         let (place, seconds) = pair("--time", given)?;
-        let found = seconds.trim().parse().ok().and_then(Answers::seconds);
+        let duration = seconds.trim().parse().ok().and_then(Answers::seconds);
         let fault = || Failure::input(format!("--time {given}: {}", Answers::SECONDS));
-        answers.times.insert(place, found.ok_or_else(fault)?);
+        answers.times.insert(place, duration.ok_or_else(fault)?);
     }
     for given in &answering.tool {
         let (name, numbers) = pair("--tool", given)?;
-        let numbers: Result<Vec<_>, _> = numbers.split(',').map(|own| own.trim().parse()).collect();
-        let found = numbers.ok().and_then(|numbers| Answers::frame(&numbers));
+        let numbers: Result<Vec<_>, _> =
+            numbers.split(',').map(|number| number.trim().parse()).collect();
+        let frame = numbers.ok().and_then(|numbers| Answers::frame(&numbers));
         let fault = || Failure::input(format!("--tool {given}: {}", Answers::FRAME));
-        answers.tools.insert(name, found.ok_or_else(fault)?);
+        answers.tools.insert(name, frame.ok_or_else(fault)?);
     }
     Ok(answers)
 }
@@ -195,12 +199,12 @@ pub(crate) fn with_options(message: &str) -> String {
 
 /// Returns the option that answers a question of an application.
 fn option(open: &Unanswered) -> String {
-    let Unanswered { kind, asked } = open;
+    let Unanswered { kind, subject } = open;
     match kind {
-        QuestionKind::Fired => format!("--fired \"{asked}=true\" or \"{asked}=false\""),
-        QuestionKind::ProcessData => format!("--data \"{asked}=VALUE\""),
-        QuestionKind::Dialog => format!("--answer \"{asked}=N\""),
-        _ => format!("--input \"{asked}=VALUE\""),
+        QuestionKind::Fired => format!("--fired \"{subject}=true\" or \"{subject}=false\""),
+        QuestionKind::ProcessData => format!("--data \"{subject}=VALUE\""),
+        QuestionKind::Dialog => format!("--answer \"{subject}=N\""),
+        _ => format!("--input \"{subject}=VALUE\""),
     }
 }
 

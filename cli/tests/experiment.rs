@@ -32,7 +32,7 @@ fn number(report: &str, row: &str, column: usize) -> f64 {
 }
 
 #[test]
-fn zone_velocity_writes_what_it_says() {
+fn zone_velocity_writes_the_reported_files() {
     let folder = tempdir().unwrap();
     iiwasim(&folder, &["experiment", "zone-velocity", "--simulate"])
         .success()
@@ -81,7 +81,7 @@ fn limits_are_those_of_the_virtual_robot() {
 }
 
 #[test]
-fn blends_tell_the_shapes_apart() {
+fn blends_distinguish_the_shapes() {
     let folder = tempdir().unwrap();
     let command = ["experiment", "blends", "--simulate", "--no-recordings", "-o", "out"];
     iiwasim(&folder, &command).success();
@@ -96,7 +96,7 @@ fn blends_tell_the_shapes_apart() {
 }
 
 #[test]
-fn settling_takes_what_the_robot_takes() {
+fn settling_measures_the_settling_time_of_the_robot() {
     let folder = tempdir().unwrap();
     let command = ["experiment", "settle", "--simulate", "--count", "20", "-o", "out"];
     iiwasim(&folder, &command).success();
@@ -171,7 +171,7 @@ fn blends_of_the_tcp_are_those_of_the_virtual_robot() {
 
 /// The page in the documentation is the output of the command in its first lines.
 #[test]
-fn the_committed_page_is_what_the_command_makes() {
+fn the_committed_page_is_current() {
     let folder = tempdir().unwrap();
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
     let page = fs::read_to_string(docs.join("evaluation.md")).unwrap();
@@ -211,7 +211,7 @@ fn assert_alike(made: &str, committed: &str, command: &str) {
 }
 
 #[test]
-fn what_cannot_be_done_is_said() {
+fn infeasible_experiments_are_reported() {
     let folder = tempdir().unwrap();
     let experiment =
         |options: &[&str]| iiwasim(&folder, &[&["experiment", "zone-velocity"], options].concat());
@@ -257,7 +257,7 @@ fn without_a_drive_nothing_is_written() {
 
 /// The recordings of motions with a load identify it, in the report and with `identify`.
 #[test]
-fn swings_with_a_load_tell_the_planner_and_the_load() {
+fn swings_with_a_load_identify_planner_and_load() {
     for (planner, result) in [
         ("none", "the planner does not take the load into account"),
         ("factor", "accelerations fall alike in all poses, by 2.0"),
@@ -275,9 +275,9 @@ fn swings_with_a_load_tell_the_planner_and_the_load() {
         if planner == "none" {
             let recordings = ["e/recordings/load-0-kg.mcap", "e/recordings/load-7-kg.mcap"];
             let args = ["identify", recordings[0], recordings[1], "--no-output", "--json"];
-            let found = iiwasim(&folder, &args).success().get_output().stdout.clone();
-            let found: serde_json::Value = serde_json::from_slice(&found).unwrap();
-            let [none, some] = [0, 1].map(|i| found["torques"]["loads"][i].clone());
+            let output = iiwasim(&folder, &args).success().get_output().stdout.clone();
+            let figures: serde_json::Value = serde_json::from_slice(&output).unwrap();
+            let [none, some] = [0, 1].map(|i| figures["torques"]["loads"][i].clone());
             assert!(none["mass_kg"]["value"].as_f64().unwrap().abs() < 0.01, "{none}");
             assert!(none["load"].is_null() && none["stated"].is_null(), "{none}");
             assert_eq!(some["stated"]["mass_kg"], 7.0);

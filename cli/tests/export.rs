@@ -70,7 +70,7 @@ fn a_project_that_was_edited_is_kept() {
 }
 
 #[test]
-fn what_cannot_be_exported_is_shown_where_it_stands() {
+fn unsupported_motions_are_shown_at_their_place() {
     let folder = tempdir().unwrap();
     let text = PROGRAM.replace(r#""z_mm": 20 }"#, r#""z_mm": 20 }, "e1_deg": 5"#);
     fs::write(folder.path().join("a.json"), text).unwrap();

@@ -28,7 +28,7 @@ fn the_version_lists_the_features() {
 }
 
 #[test]
-fn commands_of_missing_features_say_how_to_add_them() {
+fn commands_of_missing_features_state_the_feature() {
     let folder = tempdir().unwrap();
     for (feature, is_enabled, commands) in FEATURES {
         for command in commands {
@@ -46,7 +46,7 @@ fn commands_of_missing_features_say_how_to_add_them() {
 }
 
 #[test]
-fn options_of_missing_features_say_how_to_add_them() {
+fn options_of_missing_features_state_the_feature() {
     let folder = tempdir().unwrap();
     let program = fixture("appendix-b.json").display().to_string();
     let png = ["plan", &program, "--no-output", "--picture", "a.png"];

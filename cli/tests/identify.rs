@@ -58,8 +58,8 @@ fn a_profile_that_plans() {
             .unwrap();
     assert_eq!(robot.name(), "cell 3");
     let velocity = robot.limits().velocity_rad_s.map(f64::to_degrees);
-    for (found, model) in velocity.iter().zip([98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0]) {
-        assert!((found / (0.9 * model) - 1.0).abs() < 1e-4, "{velocity:?}");
+    for (actual, model) in velocity.iter().zip([98.0, 98.0, 100.0, 130.0, 140.0, 180.0, 180.0]) {
+        assert!((actual / (0.9 * model) - 1.0).abs() < 1e-4, "{velocity:?}");
     }
     iiwasim(&folder, &["plan", "wide.json", "--robot", "identified.json", "--no-output"])
         .success()
@@ -90,7 +90,7 @@ fn blends_from_a_recording_that_holds_its_program() {
 }
 
 #[test]
-fn says_what_is_missing_or_wrong() {
+fn missing_and_wrong_inputs_are_reported() {
     let folder = tempdir().unwrap();
     wide(&folder);
     fs::write(folder.path().join("empty.csv"), "").unwrap();
@@ -151,7 +151,7 @@ fn ramps_at_an_override() {
 
 /// A recording that ends early is evaluated up to its end, with a note.
 #[test]
-fn what_is_lost_is_said() {
+fn losses_are_reported() {
     let folder = tempdir().unwrap();
     wide(&folder);
     let csv = fs::read_to_string(folder.path().join("wide.csv")).unwrap();

@@ -26,7 +26,7 @@ fn taught_at(joints_deg: [f64; 7], robot: &Robot, device: &str) -> String {
     let flange = robot.flange_pose(&joints);
     let bench = Frame { xyz_mm: [300.0, 0.0, 100.0], abc_rad: [0.5, 0.0, 0.0] };
     let tcp = Frame { xyz_mm: [0.0, 0.0, 150.0], abc_rad: [0.0; 3] };
-    let at = Frame::from(&bench.pose().inverse().then(&flange.then(&tcp.pose())));
+    let target_frame = Frame::from(&bench.pose().inverse().then(&flange.then(&tcp.pose())));
     let redundancy = robot.redundancy(&joints);
     let pose = |name: &str, frame: &Frame| {
         let Frame { xyz_mm: [x, y, z], abc_rad: [a, b, c] } = frame;
@@ -60,7 +60,7 @@ fn taught_at(joints_deg: [f64; 7], robot: &Robot, device: &str) -> String {
 </RoboticsAPIData>
 "#,
         pose("transformation", &bench),
-        pose("transformation", &at),
+        pose("transformation", &target_frame),
         pose("tcpTransformation", &tcp),
         redundancy.status,
         redundancy.turn,
@@ -69,7 +69,7 @@ fn taught_at(joints_deg: [f64; 7], robot: &Robot, device: &str) -> String {
     )
 }
 
-fn own() -> String {
+fn default_project() -> String {
     project(&Robot::default(), "LBR_iiwa_7_R800_1")
 }
 
@@ -82,9 +82,9 @@ fn put(folder: &TempDir, path: &str, text: &str) {
 const DATA: &str = "RoboticsAPI.data.xml";
 
 #[test]
-fn a_program_uses_what_was_imported() {
+fn a_program_uses_the_imported_cell() {
     let folder = tempdir().unwrap();
-    put(&folder, DATA, &own());
+    put(&folder, DATA, &default_project());
     iiwasim(&folder, &["import", DATA, "-o", "cell.json"])
         .success()
         .stdout(contains("1 tool, 1 base, 1 frame from RoboticsAPI.data.xml"))
@@ -109,17 +109,17 @@ fn a_program_uses_what_was_imported() {
     );
     iiwasim(&folder, &["plan", "program.json", "--no-output"]).success().stderr(is_empty());
     let ik = ["ik", "--json", "--program", "cell.json", "--tool", "Hand", "--frame", "Bench/Pick"];
-    let found = iiwasim(&folder, &ik).success().stderr(is_empty());
-    let found: Value = serde_json::from_slice(&found.get_output().stdout).unwrap();
+    let output = iiwasim(&folder, &ik).success().stderr(is_empty());
+    let actual: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
     for (joint, taught) in JOINTS_DEG.into_iter().enumerate() {
-        assert!((found["joints_deg"][joint].as_f64().unwrap() - taught).abs() < 1e-9, "{found}");
+        assert!((actual["joints_deg"][joint].as_f64().unwrap() - taught).abs() < 1e-9, "{actual}");
     }
 }
 
 #[test]
 fn as_json_it_has_the_joints() {
     let folder = tempdir().unwrap();
-    put(&folder, DATA, &own());
+    put(&folder, DATA, &default_project());
     let report = iiwasim(&folder, &["import", DATA, "--json"]).success();
     let report: Value = serde_json::from_slice(&report.get_output().stdout).unwrap();
     assert_eq!(report["output"], "frames.json");
@@ -136,16 +136,16 @@ fn as_json_it_has_the_joints() {
 
 #[test]
 fn a_folder_stands_for_the_file_in_it() {
-    let text = own();
+    let text = default_project();
     let find = |paths: &[&str]| {
         let folder = tempdir().unwrap();
         for path in paths {
             put(&folder, &format!("project/{path}"), &text);
         }
         fs::create_dir_all(folder.path().join("project/docs")).unwrap();
-        let found = iiwasim(&folder, &["import", "project", "--no-output"]);
+        let result = iiwasim(&folder, &["import", "project", "--no-output"]);
         assert_eq!(files(&folder), ["project"]);
-        found
+        result
     };
     for (paths, taken) in [
         (&["RoboticsAPI.data.xml"][..], "project/RoboticsAPI.data.xml"),
@@ -173,7 +173,7 @@ fn nothing_is_written_on_errors() {
         assert_eq!(files(&folder), [DATA]);
         assert_eq!(fs::read_to_string(folder.path().join(DATA)).unwrap(), text);
     };
-    let text = own();
+    let text = default_project();
     refuses(&text.replace("</world>", ""), &[], "RoboticsAPI.data.xml, line ");
     refuses(&text.replace("z=\"100\"", "z=\"high\""), &[], "line 6, column 7: z is \"high\"");
     refuses("<RoboticsAPIData version=\"3\"/>", &[], "neither frames nor tools");
@@ -202,8 +202,8 @@ fn frames_of_another_robot_or_flange_are_noticed() {
     let noticed = [1.0, -1.0].map(|a1_deg| {
         let joints_deg = [a1_deg, 40.0, -15.0, -70.0, 70.0, 80.0, -30.0];
         put(&folder, DATA, &taught_at(joints_deg, &taught_on, "LBR_iiwa_7_R800_1"));
-        let found = iiwasim(&folder, &["import", DATA, "--no-output"]).success();
-        let stdout = String::from_utf8_lossy(&found.get_output().stdout).into_owned();
+        let result = iiwasim(&folder, &["import", DATA, "--no-output"]).success();
+        let stdout = String::from_utf8_lossy(&result.get_output().stdout).into_owned();
         let is_noticed = stdout.contains("0 of 1 taught frames agree");
         let hint =
             format!("With a flange of {:.0} mm (wrist to face), 1 would agree", 1e3 * other_m);

@@ -83,7 +83,7 @@ fn several_applications_are_listed() {
 }
 
 #[test]
-fn refusals_say_where_and_why_and_write_nothing() {
+fn refusals_state_place_and_reason_and_write_nothing() {
     let folder = tempdir().unwrap();
     for (name, place, reason) in [
         ("refused/smart-servo", "src/application/Follow.java:21", "SmartServo"),
@@ -104,7 +104,7 @@ fn answers_come_from_a_file_or_from_options() {
     let report: Value = serde_json::from_slice(&all.get_output().stdout).unwrap();
     let dialog = |report: &Value| {
         let mut questions = report["questions"].as_array().unwrap().iter();
-        questions.find(|own| own["kind"] == "dialog").cloned().unwrap()
+        questions.find(|question| question["kind"] == "dialog").cloned().unwrap()
     };
     let question = dialog(&report);
     assert_eq!(question["asked"], "Which part is fetched?");
@@ -157,25 +157,25 @@ fn robot_and_flange_are_shown_and_asked_for() {
 #[test]
 fn a_profile_comes_along_with_the_program() {
     let folder = tempdir().unwrap();
-    let at = |name: &str| folder.path().join(name);
+    let path = |name: &str| folder.path().join(name);
     let profile = "{ \"version\": 1, \"lengths_mm\": { \"flange\": 140 } }\n";
     for name in ["robots", "programs"] {
-        fs::create_dir(at(name)).unwrap();
+        fs::create_dir(path(name)).unwrap();
     }
-    fs::write(at("robots/cell.json"), profile).unwrap();
-    let robot = at("robots/cell.json").display().to_string();
+    fs::write(path("robots/cell.json"), profile).unwrap();
+    let robot = path("robots/cell.json").display().to_string();
     let target = ["--robot", &robot, "-o", "programs/wave.json"];
     run_on(&folder, "import", "dialogs", &target).success();
-    assert_eq!(fs::read_to_string(at("programs/cell.json")).unwrap(), profile);
+    assert_eq!(fs::read_to_string(path("programs/cell.json")).unwrap(), profile);
     let program: Value =
-        serde_json::from_str(&fs::read_to_string(at("programs/wave.json")).unwrap()).unwrap();
+        serde_json::from_str(&fs::read_to_string(path("programs/wave.json")).unwrap()).unwrap();
     assert_eq!(program["robot"], "cell.json");
     assert!(program.get("flange_mm").is_none());
     // Another profile with this name is kept.
-    fs::write(at("programs/cell.json"), "{ \"version\": 1 }\n").unwrap();
+    fs::write(path("programs/cell.json"), "{ \"version\": 1 }\n").unwrap();
     let again = ["--robot", &robot, "-o", "programs/again.json"];
     run_on(&folder, "import", "dialogs", &again).code(2).stderr(contains("cell.json exists"));
-    assert!(!at("programs/again.json").exists());
+    assert!(!path("programs/again.json").exists());
 }
 
 #[test]
@@ -198,7 +198,7 @@ fn durations_and_tools_that_the_project_lacks_are_given() {
 #[test]
 fn a_data_file_to_fill_in_lists_all_that_is_missing() {
     let folder = tempdir().unwrap();
-    let at = |name: &str| folder.path().join(name);
+    let path = |name: &str| folder.path().join(name);
     run_on(&folder, "import", "../sunrise-cases/no-data-file", &[])
         .code(2)
         .stderr(contains("--write-data"));
@@ -206,7 +206,7 @@ fn a_data_file_to_fill_in_lists_all_that_is_missing() {
         .success()
         .stdout(contains("- the template `Pen`\n- the frame `/Start`\n- the frame `/End`\n"));
     // Once completed, the file is the data file of the project.
-    let mut text = fs::read_to_string(at("data.xml")).unwrap();
+    let mut text = fs::read_to_string(path("data.xml")).unwrap();
     for (frame, x) in [("Start", "500.0"), ("End", "550.0")] {
         let place = r#"<transformation a="0.0" b="0.0" c="0.0" x="0.0" y="0.0" z="0.0"/>"#;
         let (before, after) = text.split_once(&format!("<frame name=\"{frame}\">")).unwrap();
@@ -217,7 +217,7 @@ fn a_data_file_to_fill_in_lists_all_that_is_missing() {
         let after = after.replacen(place, &filled, 1);
         text = format!("{before}<frame name=\"{frame}\">{after}");
     }
-    let project = at("project");
+    let project = path("project");
     fs::create_dir_all(project.join("src/application")).unwrap();
     let java = "src/application/Probe.java";
     fs::copy(fixture("../sunrise-cases/no-data-file").join(java), project.join(java)).unwrap();
@@ -229,7 +229,7 @@ fn a_data_file_to_fill_in_lists_all_that_is_missing() {
         .code(2)
         .stderr(contains("data.xml exists"));
     run_on(&folder, "import", "joints", &["--write-data", "none.xml"]).code(2);
-    assert!(!at("none.xml").exists());
+    assert!(!path("none.xml").exists());
 }
 
 #[test]

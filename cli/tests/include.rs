@@ -71,8 +71,8 @@ fn a_frame_of_the_cell_is_reached() {
     let folder = folder(PROGRAM, CELL);
     let ik = |cell: &str, more: &[&str]| -> Value {
         let arguments = [&["ik", "--json", "--frame", "pick", "--program", cell], more].concat();
-        let found = iiwasim(&folder, &arguments).success();
-        serde_json::from_slice(&found.get_output().stdout).unwrap()
+        let result = iiwasim(&folder, &arguments).success();
+        serde_json::from_slice(&result.get_output().stdout).unwrap()
     };
     // Through a program that includes the cell, or directly.
     let of_program = ik("program.json", &[]);
@@ -164,7 +164,7 @@ fn a_stop_within_a_spline_is_worth_a_warning() {
 }
 
 #[test]
-fn what_is_no_program_is_called_what_it_is() {
+fn files_of_other_kinds_are_named_by_their_kind() {
     let folder = folder(PROGRAM, CELL);
     let cases = [
         ("scene.json", r#"{ "version": 1, "obstacles": [] }"#, "is a scene, not a program"),
@@ -172,18 +172,18 @@ fn what_is_no_program_is_called_what_it_is() {
         ("cell.json", CELL, "is a file of tools, bases and frames"),
         ("empty.json", r#"{ "version": 1 }"#, "the key `start` is missing"),
     ];
-    for (name, text, what) in cases {
+    for (name, text, message) in cases {
         fs::write(folder.path().join(name), text).unwrap();
-        iiwasim(&folder, &["plan", name, "--no-output"]).code(2).stderr(contains(what));
+        iiwasim(&folder, &["plan", name, "--no-output"]).code(2).stderr(contains(message));
     }
     // The opposite mix-up.
-    for (option, what) in [
+    for (option, message) in [
         ("--scene", "program.json is a motion program, not a scene"),
         ("--robot", "program.json is a motion program, not a robot profile"),
     ] {
         iiwasim(&folder, &["plan", "program.json", "--no-output", option, "program.json"])
             .code(2)
-            .stderr(contains(what));
+            .stderr(contains(message));
     }
     iiwasim(&folder, &["plan", "program.json", "--no-output", "--robot", "scene.json"])
         .code(2)

@@ -32,15 +32,15 @@ fn writes_two_files_that_belong_together() {
 
 #[test]
 fn never_overwrites() {
-    for (there, name) in [("drive.key", "drive"), ("drive.pub", "drive")] {
+    for (existing, name) in [("drive.key", "drive"), ("drive.pub", "drive")] {
         let folder = tempdir().unwrap();
-        fs::write(folder.path().join(there), "mine").unwrap();
+        fs::write(folder.path().join(existing), "mine").unwrap();
         iiwasim(&folder, &["keygen", name])
             .code(2)
             .stdout(is_empty())
-            .stderr(contains(there).and(contains("not overwritten")));
-        assert_eq!(files(&folder), [there]);
-        assert_eq!(fs::read_to_string(folder.path().join(there)).unwrap(), "mine");
+            .stderr(contains(existing).and(contains("not overwritten")));
+        assert_eq!(files(&folder), [existing]);
+        assert_eq!(fs::read_to_string(folder.path().join(existing)).unwrap(), "mine");
     }
 }
 

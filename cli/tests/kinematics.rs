@@ -16,7 +16,7 @@ fn json(arguments: &[&str]) -> Value {
     serde_json::from_slice(&assert.get_output().stdout).unwrap()
 }
 
-fn refuses(arguments: &[&str], reasons: &[&str]) {
+fn rejects(arguments: &[&str], reasons: &[&str]) {
     let folder = tempdir().unwrap();
     let assert = iiwasim(&folder, &[&["ik"], arguments].concat()).code(2);
     // Messages are wrapped to the width of the terminal.
@@ -35,25 +35,25 @@ fn a_frame_of_fk_is_reached_by_ik() {
     ] {
         let frame =
             json(&["fk", "--json", "--robot", robot, "--joints-deg", joints])["frame"].clone();
-        let found = json(&["ik", "--json", "--robot", robot, "--frame", &frame.to_string()]);
+        let actual = json(&["ik", "--json", "--robot", robot, "--frame", &frame.to_string()]);
         for (j, asked) in joints.split(',').enumerate() {
             let asked: f64 = asked.parse().unwrap();
-            let deg = found["joints_deg"][j].as_f64().unwrap();
-            assert!((deg - asked).abs() < 1e-9, "{joints}: {found}");
-            assert!((found["joints_rad"][j].as_f64().unwrap() - asked.to_radians()).abs() < 1e-11);
+            let deg = actual["joints_deg"][j].as_f64().unwrap();
+            assert!((deg - asked).abs() < 1e-9, "{joints}: {actual}");
+            assert!((actual["joints_rad"][j].as_f64().unwrap() - asked.to_radians()).abs() < 1e-11);
         }
         for key in ["status", "turn"] {
-            assert_eq!(found["frame"][key], frame[key]);
+            assert_eq!(actual["frame"][key], frame[key]);
         }
-        assert_eq!(found["robot"], robot);
-        let inside = found["allowed_e1_deg"].as_array().unwrap().iter().any(|range| {
+        assert_eq!(actual["robot"], robot);
+        let inside = actual["allowed_e1_deg"].as_array().unwrap().iter().any(|range| {
             let e1 = frame["e1_deg"].as_f64().unwrap();
             range[0].as_f64().unwrap() <= e1 && e1 <= range[1].as_f64().unwrap()
         });
-        assert!(inside, "{found}");
+        assert!(inside, "{actual}");
         assert_eq!(
-            found["singularity"]["least"],
-            found["singularity"][found["singularity"]["axis"].as_str().unwrap()]
+            actual["singularity"]["least"],
+            actual["singularity"][actual["singularity"]["axis"].as_str().unwrap()]
         );
     }
 }
@@ -61,16 +61,16 @@ fn a_frame_of_fk_is_reached_by_ik() {
 #[test]
 fn options_stand_above_the_frame_and_near_below_it() {
     let with_all = DOWN.replace('}', r#", "e1_deg": 10, "status": 2 }"#);
-    let of = |frame: &str, more: &[&str]| {
-        let found = json(&[&["ik", "--json", "--frame", frame], more].concat());
-        (found["frame"]["e1_deg"].as_f64().unwrap().round(), found["frame"]["status"].clone())
+    let solve = |frame: &str, more: &[&str]| {
+        let solution = json(&[&["ik", "--json", "--frame", frame], more].concat());
+        (solution["frame"]["e1_deg"].as_f64().unwrap().round(), solution["frame"]["status"].clone())
     };
     let near = ["--near", "0,30,-80,60,0,90,0"];
-    assert_eq!(of(&with_all, &[]), (10.0, 2.into()));
-    assert_eq!(of(&with_all, &near), (10.0, 2.into()));
-    assert_eq!(of(&with_all, &["--e1-deg", "-30", "--status", "6"]), (-30.0, 6.into()));
-    assert_eq!(of(DOWN, &near).0, -80.0);
-    assert_eq!(of(DOWN, &[&near[..], &["--status", "2"]].concat()), (-80.0, 2.into()));
+    assert_eq!(solve(&with_all, &[]), (10.0, 2.into()));
+    assert_eq!(solve(&with_all, &near), (10.0, 2.into()));
+    assert_eq!(solve(&with_all, &["--e1-deg", "-30", "--status", "6"]), (-30.0, 6.into()));
+    assert_eq!(solve(DOWN, &near).0, -80.0);
+    assert_eq!(solve(DOWN, &[&near[..], &["--status", "2"]].concat()), (-80.0, 2.into()));
 
     let folder = tempdir().unwrap();
     iiwasim(&folder, &["ik", "--frame", &with_all]).success().stdout(
@@ -81,39 +81,39 @@ fn options_stand_above_the_frame_and_near_below_it() {
 }
 
 #[test]
-fn what_cannot_be_reached_is_refused_with_the_reason() {
+fn unreachable_frames_are_rejected_with_the_reason() {
     let with = |frame: &'static str| ["--frame", frame, "--near", "0,30,0,-60,0,90,0"];
     let far = r#"{ "x_mm": 1600, "y_mm": 0, "z_mm": 340, "a_deg": 0, "b_deg": 90, "c_deg": 0 }"#;
     // The outstretched arm reaches 952 mm.
-    refuses(&with(far), &["648.000 mm too short"]);
-    refuses(&["--frame", DOWN], &["E1, the position of joint A3, is not given", "--e1-deg"]);
-    refuses(&["--frame", "pick"], &["`pick` is not a JSON object", "needs --program"]);
+    rejects(&with(far), &["648.000 mm too short"]);
+    rejects(&["--frame", DOWN], &["E1, the position of joint A3, is not given", "--e1-deg"]);
+    rejects(&["--frame", "pick"], &["`pick` is not a JSON object", "needs --program"]);
     let whole = ["--frame", DOWN, "--e1-deg", "0", "--status", "1.5"];
-    refuses(&whole, &["`1.5` is not a whole number"]);
-    refuses(&["--frame", DOWN, "--e1-deg", "0"], &["status", "--near"]);
-    refuses(&["--frame", DOWN, "--e1-deg", "0", "--status", "8"], &["the range is 0 to 7"]);
-    refuses(
+    rejects(&whole, &["`1.5` is not a whole number"]);
+    rejects(&["--frame", DOWN, "--e1-deg", "0"], &["status", "--near"]);
+    rejects(&["--frame", DOWN, "--e1-deg", "0", "--status", "8"], &["the range is 0 to 7"]);
+    rejects(
         &["--frame", DOWN, "--e1-deg", "171", "--status", "2"],
         &["joint A3 is at 171 deg", "within their limits at E1", "deg"],
     );
     let high = r#"{ "x_mm": 100, "y_mm": 0, "z_mm": 1000, "a_deg": 0, "b_deg": 0, "c_deg": 0 }"#;
-    refuses(
+    rejects(
         &["--frame", high, "--e1-deg", "90", "--status", "2"],
         &["out of reach with E1 at 90.000 deg", "within reach is E1 from -"],
     );
-    refuses(&with(r#"{ "x_mm": 1 }"#), &["--frame", "line 1", "`y_mm` is missing"]);
-    refuses(
+    rejects(&with(r#"{ "x_mm": 1 }"#), &["--frame", "line 1", "`y_mm` is missing"]);
+    rejects(
         &with(r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0 }"#),
         &["`c_deg` is missing"],
     );
-    refuses(&with(r#"{ "x_mm": 1, "e2_deg": 2 }"#), &["unknown key", "e2_deg"]);
-    refuses(
+    rejects(&with(r#"{ "x_mm": 1, "e2_deg": 2 }"#), &["unknown key", "e2_deg"]);
+    rejects(
         &with(
             r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0, "turn": 128 }"#,
         ),
         &["0 to 127"],
     );
-    refuses(
+    rejects(
         &with(r#"{ "x_mm": 1e9, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0 }"#),
         &["mm too short"],
     );
@@ -138,24 +138,24 @@ fn tools_and_bases_are_those_of_a_program() {
     assert!((number(&frame, "x_mm") - number(&tcp, "x_mm") + 500.0).abs() < 60.0);
 
     let frame = frame.to_string();
-    let found = json(&[&["ik", "--json", "--frame", &frame], &left[..]].concat());
+    let actual = json(&[&["ik", "--json", "--frame", &frame], &left[..]].concat());
     for (j, asked) in [20.0, 30.0, 10.0, -60.0, 15.0, 80.0, 0.0].into_iter().enumerate() {
-        assert!((found["joints_deg"][j].as_f64().unwrap() - asked).abs() < 1e-9, "{found}");
+        assert!((actual["joints_deg"][j].as_f64().unwrap() - asked).abs() < 1e-9, "{actual}");
     }
     // A named frame, with its E1 and status.
     let pick = json(&[&["ik", "--json", "--frame", "pick"], &program[..]].concat());
     let near = |key: &str, mm: f64| (number(&pick["frame"], key) - mm).abs() < 1e-6;
     assert!(near("x_mm", 500.0) && near("y_mm", -150.0) && near("z_mm", 250.0), "{pick}");
 
-    let refuses = |more: &[&str], reasons: &[&str]| {
-        refuses(&[&["--frame", DOWN, "--near", "0,30,0,-60,0,90,0"], more].concat(), reasons);
+    let rejects = |more: &[&str], reasons: &[&str]| {
+        rejects(&[&["--frame", DOWN, "--near", "0,30,0,-60,0,90,0"], more].concat(), reasons);
     };
-    refuses(
+    rejects(
         &[&program[..], &["--tool", "hook"]].concat(),
         &["unknown tool `hook`", "`gripper/left`"],
     );
-    refuses(&[&program[..], &["--base", "floor"]].concat(), &["unknown base `floor`"]);
-    refuses(&["--tool", "gripper"], &["--program"]);
+    rejects(&[&program[..], &["--base", "floor"]].concat(), &["unknown base `floor`"]);
+    rejects(&["--tool", "gripper"], &["--program"]);
 }
 
 fn fixture(name: &str) -> String {

@@ -74,7 +74,7 @@ fn rows(assert: &Assert) -> Vec<Vec<String>> {
 
 /// Checks that a command is rejected: exit code 2, all `words` in the message, and no files
 /// written.
-fn refuses(folder: &TempDir, arguments: &[&str], words: &[&str]) {
+fn rejects(folder: &TempDir, arguments: &[&str], words: &[&str]) {
     let before = files(folder);
     let assert = iiwasim(folder, arguments).code(2).stdout(is_empty());
     let message = stderr(&assert);
@@ -109,11 +109,11 @@ fn torques_are_a_gate_of_each_program() {
         .iter()
         .map(|row| percent(row))
         .collect();
-    let most = shares.iter().copied().fold(0.0, f64::max);
-    let least = shares.iter().copied().fold(f64::MAX, f64::min);
-    assert!(most > least + 2.0, "{shares:?}");
-    let limit = format!("{}", 0.5 * (most + least));
-    let over = shares.iter().filter(|share| **share > 0.5 * (most + least)).count();
+    let max = shares.iter().copied().fold(0.0, f64::max);
+    let min = shares.iter().copied().fold(f64::MAX, f64::min);
+    assert!(max > min + 2.0, "{shares:?}");
+    let limit = format!("{}", 0.5 * (max + min));
+    let over = shares.iter().filter(|share| **share > 0.5 * (max + min)).count();
     let gate = ["plan", "cell", "--no-output", "--max-torque-percent", &limit];
     let assert = iiwasim(&folder, &gate).code(3);
     assert_eq!(stdout(&assert).matches("overloaded").count(), over);
@@ -184,7 +184,8 @@ fn a_bad_program_does_not_stop_the_others() {
     let assert = iiwasim(&folder, &arguments).code(3);
     let message = stderr(&assert);
     for words in [
-        "cell/bad.json, line 5, column 37: motion 1: joint A1 is at 171 deg; its range is -170 to 170 deg",
+        "cell/bad.json, line 5, column 37: motion 1: joint A1 is at 171 deg; its range is -170 to \
+         170 deg",
         "cell/empty.json, line 1, column 1",
         "cell/latin.json is not text in UTF-8",
         "cell/profiled.json: cell/profiles/broken.json, line 1",
@@ -259,26 +260,26 @@ fn wrong_usage_is_refused_before_anything_is_planned() {
         ("cell/a.json", &good),
         ("none/readme.txt", ""),
     ]);
-    refuses(&folder, &["plan", "none"], &["none", "no programs"]);
-    refuses(&folder, &["plan", "a.json", "none"], &["none", "no programs"]);
-    refuses(&folder, &["plan", "-", "a.json"], &["standard input", "alone"]);
-    refuses(&folder, &["plan", "a.json", "b.json", "a.json"], &["a.json is given twice"]);
-    refuses(&folder, &["plan", "x.json", "x.json"], &["x.json is given twice"]);
-    refuses(&folder, &["plan", "cell", "cell/a.json"], &["cell/a.json is given twice"]);
+    rejects(&folder, &["plan", "none"], &["none", "no programs"]);
+    rejects(&folder, &["plan", "a.json", "none"], &["none", "no programs"]);
+    rejects(&folder, &["plan", "-", "a.json"], &["standard input", "alone"]);
+    rejects(&folder, &["plan", "a.json", "b.json", "a.json"], &["a.json is given twice"]);
+    rejects(&folder, &["plan", "x.json", "x.json"], &["x.json is given twice"]);
+    rejects(&folder, &["plan", "cell", "cell/a.json"], &["cell/a.json is given twice"]);
     let same = ["a.json and cell/../a.json", "the same file"];
-    refuses(&folder, &["plan", "a.json", "cell/../a.json", "--no-output"], &same);
+    rejects(&folder, &["plan", "a.json", "cell/../a.json", "--no-output"], &same);
     let both = ["a.json and cell/a.json", "both be written to a.mcap"];
-    refuses(&folder, &["plan", "a.json", "cell"], &both);
-    refuses(&folder, &["plan", "b.json", "c.mcap"], &["of c.mcap", "over c.mcap", "--output"]);
-    refuses(&folder, &["plan", "a.json", "b.json", "-o", "c.mcap"], &["c.mcap", "not a folder"]);
-    refuses(&folder, &["plan", "cell", "--picture", "p.svg"], &["--picture", "one program"]);
-    refuses(&folder, &["plan", "a.json", "b.json", "--robot", "r2d2"], &["r2d2"]);
-    refuses(
+    rejects(&folder, &["plan", "a.json", "cell"], &both);
+    rejects(&folder, &["plan", "b.json", "c.mcap"], &["of c.mcap", "over c.mcap", "--output"]);
+    rejects(&folder, &["plan", "a.json", "b.json", "-o", "c.mcap"], &["c.mcap", "not a folder"]);
+    rejects(&folder, &["plan", "cell", "--picture", "p.svg"], &["--picture", "one program"]);
+    rejects(&folder, &["plan", "a.json", "b.json", "--robot", "r2d2"], &["r2d2"]);
+    rejects(
         &folder,
         &["plan", "a.json", "b.json", "--jobs", "0"],
         &["--jobs", "the range is 1 to 1024"],
     );
-    refuses(&folder, &["plan", "a.json", "b.json", "--no-output", "-o", "out"], &["--output"]);
+    rejects(&folder, &["plan", "a.json", "b.json", "--no-output", "-o", "out"], &["--output"]);
     // Without output files, there are no collisions.
     iiwasim(&folder, &["plan", "a.json", "cell", "--no-output"]).success();
     iiwasim(&folder, &["plan", "b.json", "c.mcap", "-o", "out"]).success();
@@ -301,25 +302,25 @@ fn links_are_followed() {
     use std::os::unix::fs::symlink;
 
     let folder = folder(&[("cell/a.json", &turn(10.0)), ("cell/b.json", &turn(20.0))]);
-    let at = |name: &str| folder.path().join(name);
-    symlink("a.json", at("cell/link.json")).unwrap();
-    symlink("nowhere", at("cell/lost.json")).unwrap();
-    symlink("cell", at("linked")).unwrap();
+    let path = |name: &str| folder.path().join(name);
+    symlink("a.json", path("cell/link.json")).unwrap();
+    symlink("nowhere", path("cell/lost.json")).unwrap();
+    symlink("cell", path("linked")).unwrap();
     let assert = iiwasim(&folder, &["plan", "linked", "-o", "out"]).code(3);
     assert!(stderr(&assert).contains("cannot read linked/lost.json"));
     assert!(stdout(&assert).contains("3 planned, 1 failed"));
     let same = ["cell/a.json and linked/a.json", "the same file"];
-    refuses(&folder, &["plan", "cell/a.json", "linked/a.json", "--no-output"], &same);
+    rejects(&folder, &["plan", "cell/a.json", "linked/a.json", "--no-output"], &same);
 
     // A link from an output to an input, and two links to the same file.
-    fs::remove_file(at("out/a.mcap")).unwrap();
-    symlink("../cell/b.json", at("out/a.mcap")).unwrap();
+    fs::remove_file(path("out/a.mcap")).unwrap();
+    symlink("../cell/b.json", path("out/a.mcap")).unwrap();
     let over = ["of cell/a.json", "over cell/b.json"];
-    refuses(&folder, &["plan", "cell", "-o", "out"], &over);
-    fs::remove_file(at("out/a.mcap")).unwrap();
-    symlink("b.mcap", at("out/a.mcap")).unwrap();
-    refuses(&folder, &["plan", "cell", "-o", "out"], &["cell/a.json and cell/b.json", "both"]);
-    assert_eq!(fs::read_to_string(at("cell/b.json")).unwrap(), turn(20.0));
+    rejects(&folder, &["plan", "cell", "-o", "out"], &over);
+    fs::remove_file(path("out/a.mcap")).unwrap();
+    symlink("b.mcap", path("out/a.mcap")).unwrap();
+    rejects(&folder, &["plan", "cell", "-o", "out"], &["cell/a.json and cell/b.json", "both"]);
+    assert_eq!(fs::read_to_string(path("cell/b.json")).unwrap(), turn(20.0));
 }
 
 #[cfg(unix)]
@@ -333,7 +334,7 @@ fn a_folder_that_cannot_be_read_is_refused() {
     permit(0o000);
     // Some users may read everything.
     if fs::read_dir(&shut).is_err() {
-        refuses(&folder, &["plan", "a.json", "shut"], &["cannot read the folder shut"]);
+        rejects(&folder, &["plan", "a.json", "shut"], &["cannot read the folder shut"]);
     }
     permit(0o755);
 }

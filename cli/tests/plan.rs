@@ -170,7 +170,7 @@ fn a_gate_that_is_not_met_exits_with_3() {
 }
 
 #[test]
-fn the_picture_in_the_docs_is_what_the_program_draws() {
+fn the_picture_in_the_docs_is_current() {
     let folder = tempdir().unwrap();
     plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--picture", "b.svg"]).success();
     let drawn = fs::read_to_string(folder.path().join("b.svg")).unwrap();
@@ -187,7 +187,7 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 /// Runs an invalid program: exit code 2, all `words` in the message, and no files written.
-fn refuses(program: &str, words: &[&str]) {
+fn rejects(program: &str, words: &[&str]) {
     let folder = tempdir().unwrap();
     let inputs = tempdir().unwrap();
     let input = inputs.path().join("program.json");
@@ -209,47 +209,47 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     };
     let joints = |list: &str| program(&format!(r#"{{ "type": "ptp", "joints_deg": [{list}] }}"#));
     let line = "line 5";
-    refuses("motions: none", &["line 1, column 1"]);
-    refuses(&ptp("")[..60], &["line 3", "ends too early"]);
-    refuses(&ptp("").replace("motions", "moves"), &["line 4", "moves"]);
-    refuses(&ptp(r#", "speed": 1"#), &[line, "motion 1", "speed"]);
-    refuses(&ptp("").replace("ptp", "fly"), &[line, "motion 1", "fly", "ptp"]);
-    refuses(&ptp("").replace("\"version\": 1", "\"version\": 2"), &["line 2", "version 2"]);
-    refuses(
+    rejects("motions: none", &["line 1, column 1"]);
+    rejects(&ptp("")[..60], &["line 3", "ends too early"]);
+    rejects(&ptp("").replace("motions", "moves"), &["line 4", "moves"]);
+    rejects(&ptp(r#", "speed": 1"#), &[line, "motion 1", "speed"]);
+    rejects(&ptp("").replace("ptp", "fly"), &[line, "motion 1", "fly", "ptp"]);
+    rejects(&ptp("").replace("\"version\": 1", "\"version\": 2"), &["line 2", "version 2"]);
+    rejects(
         &ptp("").replace("\"version\": 1", "\"version\": 1, \"robot\": \"r2d2\""),
         &["line 2", "r2d2", "lbr_iiwa_14_r820"],
     );
-    refuses(&joints("1, 2, 3, 4, 5, 6"), &[line, "motion 1", "6", "seven"]);
-    refuses(&joints("1, 2, 3, 4, 5, 6, 7, 8"), &[line, "motion 1", "8", "seven"]);
-    refuses(&joints("NaN, 2, 3, 4, 5, 6, 7"), &[line]);
-    refuses(&joints("1e400, 2, 3, 4, 5, 6, 7"), &[line]);
-    refuses(&joints("0, 120.001, 0, 0, 0, 0, 0"), &[line, "joint A2", "120.001", "120"]);
+    rejects(&joints("1, 2, 3, 4, 5, 6"), &[line, "motion 1", "6", "seven"]);
+    rejects(&joints("1, 2, 3, 4, 5, 6, 7, 8"), &[line, "motion 1", "8", "seven"]);
+    rejects(&joints("NaN, 2, 3, 4, 5, 6, 7"), &[line]);
+    rejects(&joints("1e400, 2, 3, 4, 5, 6, 7"), &[line]);
+    rejects(&joints("0, 120.001, 0, 0, 0, 0, 0"), &[line, "joint A2", "120.001", "120"]);
     for bad in ["0", "-0.5", "1.001"] {
-        refuses(&ptp(&format!(r#", "velocity_rel": {bad}"#)), &[line, "motion 1", "velocity_rel"]);
+        rejects(&ptp(&format!(r#", "velocity_rel": {bad}"#)), &[line, "motion 1", "velocity_rel"]);
     }
     let blended = |blend: &str| {
         program(&format!(
-            "{{ \"type\": \"ptp\", \"joints_deg\": [0, 0, 0, 0, 0, 0, 9], \"blend\": {blend} }},\n    \
-             {{ \"type\": \"ptp\", \"joints_deg\": [0, 0, 0, 9, 0, 0, 9] }}"
+            "{{ \"type\": \"ptp\", \"joints_deg\": [0, 0, 0, 0, 0, 0, 9], \"blend\": {blend} \
+             }},\n    {{ \"type\": \"ptp\", \"joints_deg\": [0, 0, 0, 9, 0, 0, 9] }}"
         ))
     };
-    refuses(&blended(r#"{ "fraction": 0.51 }"#), &[line, "motion 1", "0.51"]);
-    refuses(&blended(r#"{ "cart_mm": -5 }"#), &[line, "motion 1", "-5"]);
+    rejects(&blended(r#"{ "fraction": 0.51 }"#), &[line, "motion 1", "0.51"]);
+    rejects(&blended(r#"{ "cart_mm": -5 }"#), &[line, "motion 1", "-5"]);
     let wait = blended(r#"{ "fraction": 0.2 }"#).replace(
         r#"{ "type": "ptp", "joints_deg": [0, 0, 0, 9, 0, 0, 9] }"#,
         r#"{ "type": "wait", "seconds": 1 }"#,
     );
-    refuses(&wait, &[line, "motion 1", "wait"]);
-    refuses(&ptp("").replace(START, r#""robot": "lbr_iiwa_7_r800""#), &["start"]);
-    refuses(&program(""), &["line 4", "no motions"]);
-    refuses(&"[".repeat(1 << 20), &["line 1"]);
+    rejects(&wait, &[line, "motion 1", "wait"]);
+    rejects(&ptp("").replace(START, r#""robot": "lbr_iiwa_7_r800""#), &["start"]);
+    rejects(&program(""), &["line 4", "no motions"]);
+    rejects(&"[".repeat(1 << 20), &["line 1"]);
     // Nearly collinear and up to the limit, the blend exceeds it.
     let swing = program(
         "{ \"type\": \"ptp\", \"joints_deg\": [0, 119.99, 0, 0, 0, 0, 0], \"blend\": { \"fraction\": 0.5 } },\n    \
          { \"type\": \"ptp\", \"joints_deg\": [160, 119.99, 0, 0, 0, 0, 0] }",
     )
     .replace("[0, 0, 0, 0, 0, 0, 0]", "[-160, 60, 0, 0, 0, 0, 0]");
-    refuses(&swing, &[line, "motion 1", "joint A2", "blend"]);
+    rejects(&swing, &[line, "motion 1", "joint A2", "blend"]);
 }
 
 #[test]
@@ -299,7 +299,7 @@ fn an_output_that_cannot_be_written_exits_with_1() {
 }
 
 #[test]
-fn what_is_read_is_not_written_over() {
+fn inputs_are_not_overwritten() {
     let folder = tempdir().unwrap();
     let text = program(r#"{ "type": "ptp", "joints_deg": [10, 0, 0, 0, 0, 0, 0] }"#);
     fs::write(folder.path().join("a.mcap"), &text).unwrap();
@@ -461,9 +461,9 @@ fn a_profile_is_found_beside_the_program() {
     let slow = figures(plan(&folder, &input, &["--json", "--no-output"]));
     assert_eq!(slow["robot"], "slow");
     assert!(slow["cycle_time_s"].as_f64().unwrap() > 60.0);
-    let own =
+    let own_figures =
         figures(plan(&folder, &input, &["--json", "--no-output", "--robot", "lbr_iiwa_7_r800"]));
-    assert!(own["cycle_time_s"].as_f64().unwrap() < 9.0);
+    assert!(own_figures["cycle_time_s"].as_f64().unwrap() < 9.0);
     fs::write(programs.path().join("slow.json"), profile.replace("9, 9]", "9]")).unwrap();
     plan(&folder, &input, &[]).code(2).stderr(contains("slow.json").and(contains("line 1")));
 }
@@ -585,11 +585,11 @@ fn a_program_does_not_show_other_files() {
 #[test]
 fn leftovers_of_a_kill_go_and_files_in_use_stay() {
     let folder = tempdir().unwrap();
-    let at = |name: &str| folder.path().join(name);
+    let path = |name: &str| folder.path().join(name);
     for name in [".iiwasim-left.part", ".iiwasim-used.part", ".other.part"] {
-        fs::write(at(name), "half").unwrap();
+        fs::write(path(name), "half").unwrap();
     }
-    let used = fs::File::open(at(".iiwasim-used.part")).unwrap();
+    let used = fs::File::open(path(".iiwasim-used.part")).unwrap();
     used.lock().unwrap();
     plan(&folder, &fixture("appendix-b.json"), &[]).success();
     assert_eq!(files(&folder), [".iiwasim-used.part", ".other.part", "appendix-b.mcap"]);

@@ -38,17 +38,17 @@ fn torques_are_reported_and_are_a_gate() {
     let figures = json(&["--no-output", "--json"]);
     let motions = figures["motions"].as_array().unwrap();
     let percents = motions.iter().flat_map(|it| it["torque"]["peak_percent"].as_array().unwrap());
-    let most = percents.map(|it| it.as_f64().unwrap()).fold(0.0, f64::max);
-    assert!((20.0..100.0).contains(&most), "{most}");
+    let max = percents.map(|it| it.as_f64().unwrap()).fold(0.0, f64::max);
+    assert!((20.0..100.0).contains(&max), "{max}");
     assert!(figures["warnings"].as_array().unwrap().is_empty());
     assert!(figures["power"]["peak_w"].as_f64().unwrap() > 10.0);
-    let shown = format!("Torque at most {most:.0} % of A");
-    let below = format!("{}", most.floor());
+    let shown = format!("Torque at most {max:.0} % of A");
+    let below = format!("{}", max.floor());
     plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--max-torque-percent", &below])
         .code(3)
         .stdout(contains(shown).and(contains("Joints, link side: ")))
-        .stderr(contains(format!("needs {most:.1} % of A")).and(contains("Gate not met")));
-    let above = format!("{}", most.ceil());
+        .stderr(contains(format!("needs {max:.1} % of A")).and(contains("Gate not met")));
+    let above = format!("{}", max.ceil());
     plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--max-torque-percent", &above])
         .success();
 
@@ -89,8 +89,8 @@ fn torques_are_limited_on_request() {
             assert_eq!(all["limit_torque_percent"], 100.0);
             assert_eq!(all["motions"][0]["limited_by"]["kind"], "torque", "{all}");
             assert_eq!(all["motions"][0]["limited_by"]["joint"], 2, "{all}");
-            let most = all["motions"][0]["torque"]["peak_percent"][1].as_f64().unwrap();
-            assert!((98.0..=101.0).contains(&most), "{most}");
+            let peak_percent = all["motions"][0]["torque"]["peak_percent"][1].as_f64().unwrap();
+            assert!((98.0..=101.0).contains(&peak_percent), "{peak_percent}");
             assert!(all["warnings"].as_array().unwrap().is_empty(), "{all}");
         }
         assert!(slower[0] > free_s && slower == [slower[0]; 3], "{free_s} {slower:?}");

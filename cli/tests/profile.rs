@@ -23,16 +23,16 @@ const PROFILE: &str = r#"{ "version": 1,
 /// Returns a folder with a plan for `profile`, and the same motion as a table.
 fn plan(profile: &str) -> TempDir {
     let folder = tempdir().unwrap();
-    let at = |name: &str| folder.path().join(name);
-    fs::write(at("robot.json"), profile).unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("robot.json"), profile).unwrap();
     let motion = r#"{ "type": "ptp", "joints_deg": [175, 0, 0, -60, 0, 90, 0] }"#;
-    fs::write(at("program.json"), program(motion)).unwrap();
+    fs::write(path("program.json"), program(motion)).unwrap();
     iiwasim(&folder, &["plan", "program.json", "--robot", "robot.json", "-o", "plan.mcap"])
         .success();
-    let log = JointLog::read(fs::File::open(at("plan.mcap")).unwrap()).unwrap();
-    log.write_csv(fs::File::create(at("real.csv")).unwrap()).unwrap();
+    let log = JointLog::read(fs::File::open(path("plan.mcap")).unwrap()).unwrap();
+    log.write_csv(fs::File::create(path("real.csv")).unwrap()).unwrap();
     // The profile must come from the plan.
-    fs::remove_file(at("robot.json")).unwrap();
+    fs::remove_file(path("robot.json")).unwrap();
     folder
 }
 
@@ -74,7 +74,7 @@ fn a_profile_without_a_name_is_not_taken_for_the_built_in_robot() {
 }
 
 #[test]
-fn a_profile_with_a_name_of_its_own_is_known_from_the_plan() {
+fn a_named_profile_is_known_from_the_plan() {
     let folder = plan(&PROFILE.replacen('{', r#"{ "name": "slow robot","#, 1));
     let data = page(&folder, &["plan.mcap"]);
     assert_eq!(data["robot"]["name"], "slow robot");

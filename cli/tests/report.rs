@@ -105,12 +105,12 @@ fn a_scene_is_around_the_arm() {
         let planned = ["plan", program.to_str().unwrap(), "--json", "--no-output"];
         let planned = iiwasim(&folder, &[&planned[..], &["--scene", "scene.json"]].concat());
         let figures: Value = serde_json::from_slice(&planned.get_output().stdout).unwrap();
-        let (expected, found) = (&figures["clearance"], &with["arms"][0]["clearance"]["nearest"]);
-        for (key, most) in [("distance_mm", 0.1), ("at_s", 0.01)] {
-            let off = expected[key].as_f64().unwrap() - found[key].as_f64().unwrap();
-            assert!(off.abs() < most, "{expected} {found}");
+        let (expected, actual) = (&figures["clearance"], &with["arms"][0]["clearance"]["nearest"]);
+        for (key, tolerance) in [("distance_mm", 0.1), ("at_s", 0.01)] {
+            let off = expected[key].as_f64().unwrap() - actual[key].as_f64().unwrap();
+            assert!(off.abs() < tolerance, "{expected} {actual}");
         }
-        assert_eq!((&expected["link"], &expected["obstacle"]), (&found["link"], &found["other"]));
+        assert_eq!((&expected["link"], &expected["obstacle"]), (&actual["link"], &actual["other"]));
         let (planned, nearest) =
             (&figures["self_clearance"], &with["arms"][0]["self_clearance"]["nearest"]);
         let off =
@@ -120,8 +120,8 @@ fn a_scene_is_around_the_arm() {
         assert_eq!(nearest["other"], format!("link {}", planned["other_link"]));
         // The curve has the same minimum, up to its sampling.
         let curve = singles(&with["arms"][0]["clearance"]["distance"]["low"]);
-        let least = 1e3 * curve.into_iter().fold(f64::MAX, f64::min);
-        let off = least - found["distance_mm"].as_f64().unwrap();
+        let min_mm = 1e3 * curve.into_iter().fold(f64::MAX, f64::min);
+        let off = min_mm - actual["distance_mm"].as_f64().unwrap();
         assert!((-1e-4..2.0).contains(&off), "{off}");
         assert_eq!(
             with["scene"]["tool"].as_array().unwrap().len(),
@@ -164,20 +164,20 @@ fn a_plan_is_in_its_page() {
         let t_s = point.time_from_start.as_secs_f64();
         let values = [&point.positions, &point.velocities, &point.accelerations];
         for ((times, rows), values) in curves.iter().zip(values) {
-            let at = times.partition_point(|time| *time < t_s - 1e-9);
-            assert!((times[at] - t_s).abs() < 1e-9, "{t_s}");
-            for (found, value) in rows[7 * at..7 * at + 7].iter().zip(values) {
-                assert!((found - value).abs() <= 1e-6 * value.abs().max(1.0), "{t_s}: {found}");
+            let index = times.partition_point(|time| *time < t_s - 1e-9);
+            assert!((times[index] - t_s).abs() < 1e-9, "{t_s}");
+            for (actual, value) in rows[7 * index..7 * index + 7].iter().zip(values) {
+                assert!((actual - value).abs() <= 1e-6 * value.abs().max(1.0), "{t_s}: {actual}");
             }
         }
     }
     // The joint states are on the curves, too.
     let (times, rows) = &curves[0];
     for state in &file.joint_states {
-        let at = times.partition_point(|time| *time <= state.t_s).clamp(1, times.len() - 1);
-        let share = (state.t_s - times[at - 1]) / (times[at] - times[at - 1]);
+        let index = times.partition_point(|time| *time <= state.t_s).clamp(1, times.len() - 1);
+        let share = (state.t_s - times[index - 1]) / (times[index] - times[index - 1]);
         for (j, q) in state.q.iter().enumerate() {
-            let [a, b] = [at - 1, at].map(|i| rows[7 * i + j]);
+            let [a, b] = [index - 1, index].map(|i| rows[7 * i + j]);
             assert!((a + share.min(1.0) * (b - a) - q).abs() < 5e-4, "{}: {q}", state.t_s);
         }
     }
@@ -275,7 +275,7 @@ fn two_files_are_held_against_each_other() {
 }
 
 #[test]
-fn limits_of_a_motion_are_told_where_they_are_narrower() {
+fn narrower_motion_limits_are_reported() {
     let folder = plan("waits-and-stops.json");
     let data = data(&page(&folder, &["plan.mcap"]));
     let shares = data["shares"].as_object().unwrap();
@@ -335,7 +335,7 @@ fn a_recording_alone_is_beside_the_plan_of_its_program() {
 }
 
 #[test]
-fn what_is_no_plan_beside_its_recording_is_told() {
+fn a_plan_that_does_not_match_its_recording_is_reported() {
     let folder = plan("waits-and-stops.json");
     let whole = fs::read(folder.path().join("plan.mcap")).unwrap();
     fs::write(folder.path().join("real.mcap"), recorded(&whole, "{}")).unwrap();
@@ -387,9 +387,9 @@ fn long_recordings_are_thinned_out_and_keep_their_peaks() {
     assert_eq!(data["pieces"].as_array().unwrap().len(), 0);
     let times = doubles(&arm["position"]["t_s"]);
     let [low, high] = ["low", "high"].map(|name| singles(&arm["position"][name]));
-    let at = times.partition_point(|t_s| *t_s <= 12.345) - 1;
+    let index = times.partition_point(|t_s| *t_s <= 12.345) - 1;
     let q = 0.2 * (0.345 * std::f64::consts::TAU).sin() + 0.01;
-    assert!((high[7 * at] - q).abs() < 1e-6, "{}", high[7 * at]);
+    assert!((high[7 * index] - q).abs() < 1e-6, "{}", high[7 * index]);
     // The velocity is that of the sine with its known amplitude.
     let velocity = singles(&arm["velocity"]["low"]);
     let peak = velocity.chunks(7).skip(2000).map(|row| row[0].abs()).fold(0.0, f64::max);
@@ -424,7 +424,7 @@ fn a_file_that_is_cut_off_is_shown_up_to_its_break() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_refused() {
+fn unsupported_files_are_rejected() {
     let folder = plan("waits-and-stops.json");
     let write = |name: &str, content: &[u8]| {
         fs::write(folder.path().join(name), content).unwrap();
@@ -473,7 +473,7 @@ fn a_file_without_joint_states_is_named() {
 }
 
 #[test]
-fn what_files_are_called_is_no_markup() {
+fn file_names_are_escaped() {
     let folder = tempdir().unwrap();
     let name = "<script>&x.csv";
     fs::write(folder.path().join(name), csv(1, 100)).unwrap();
@@ -489,7 +489,8 @@ const WEDGE: &str = "v 0 0 0\nv 60 0 0\nv 0 40 0\nv 0 0 20\nf 1 3 2\nf 1 2 4\nf 
 /// Returns the generated URDF, with this mesh on link 4.
 fn urdf_with(robot: &Robot, mesh: &str) -> String {
     let visual = format!(
-        "<link name=\"iiwa_link_4\"><visual><geometry><mesh filename=\"{mesh}\" scale=\"0.001 0.001 0.001\"/></geometry>\
+        "<link name=\"iiwa_link_4\"><visual><geometry><mesh filename=\"{mesh}\" scale=\"0.001 \
+         0.001 0.001\"/></geometry>\
          <material name=\"red\"><color rgba=\"1 0 0 1\"/></material></visual>"
     );
     robot.to_urdf().replace("<link name=\"iiwa_link_4\">", &visual)
@@ -506,10 +507,10 @@ fn meshes_of_a_urdf_are_drawn() {
     write("cell/arm/meshes/wedge.obj", WEDGE);
     let urdf = urdf_with(&Robot::default(), "package://arm/meshes/wedge.obj");
     write("arm.urdf", &urdf);
-    let own = data(&page(&folder, &["plan.mcap"]));
-    let links = own["robot"]["look"]["links"].as_array().unwrap();
+    let single = data(&page(&folder, &["plan.mcap"]));
+    let links = single["robot"]["look"]["links"].as_array().unwrap();
     assert!(links.iter().all(|link| !link.as_array().unwrap().is_empty()));
-    assert_eq!(own["robot"]["look"]["is_closed"], true);
+    assert_eq!(single["robot"]["look"]["is_closed"], true);
     // The folder that contains the package, the package itself, and a folder beside the URDF.
     write("arm/urdf/arm.urdf", &urdf);
     write("arm/meshes/wedge.obj", WEDGE);

@@ -147,7 +147,7 @@ fn a_scene_without_obstacles_has_no_clearance() {
 }
 
 #[test]
-fn refuses_what_is_no_scene() {
+fn other_files_than_scenes_are_rejected() {
     let cell = cell();
     let before = files(&cell);
     let refused = |arguments: &[&str], words: &[&str]| {

@@ -135,18 +135,18 @@ fn shells_and_manuals_know_all_commands() {
 }
 
 #[test]
-fn help_says_first_what_most_need() {
+fn help_lists_common_commands_first() {
     let folder = tempdir().unwrap();
     let assert = iiwasim(&folder, &["plan", "--help"]).success();
     let help = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
-    let at = |what: &str| help.find(what).unwrap_or_else(|| panic!("no {what} in {help}"));
-    assert!(at("--output") < at("--max-cycle-time"));
-    assert!(at("--max-cycle-time") < at("Methods of calculation"));
-    assert!(at("Methods of calculation") < at("--blend-search"));
+    let position = |word: &str| help.find(word).unwrap_or_else(|| panic!("no {word} in {help}"));
+    assert!(position("--output") < position("--max-cycle-time"));
+    assert!(position("--max-cycle-time") < position("Methods of calculation"));
+    assert!(position("Methods of calculation") < position("--blend-search"));
 }
 
 #[test]
-fn what_can_be_made_again_is_replaced() {
+fn generated_files_are_replaced() {
     let folder = tempdir().unwrap();
     fs::write(folder.path().join("a.json"), program(MOTION)).unwrap();
     for _ in 0..2 {

@@ -63,8 +63,8 @@ fn tables_read_back_as_the_plan() {
         ],
     );
     let pose: Value = serde_json::from_slice(&fk.success().get_output().stdout).unwrap();
-    for (axis, found) in last[23..26].iter().enumerate() {
-        assert!((pose["position_m"][axis].as_f64().unwrap() - found).abs() < 1e-12, "{pose}");
+    for (axis, actual) in last[23..26].iter().enumerate() {
+        assert!((pose["position_m"][axis].as_f64().unwrap() - actual).abs() < 1e-12, "{pose}");
     }
     // At rest.
     assert!(last[9..23].iter().all(|rate| rate.abs() < 1e-9));
@@ -99,7 +99,7 @@ fn parquet_files_have_the_rows_of_the_csv_file() {
 }
 
 #[test]
-fn pictures_are_what_their_endings_say() {
+fn pictures_have_the_format_of_their_extension() {
     let folder = tempdir().unwrap();
     let program = fixture("appendix-b.json").display().to_string();
     let draw = |name: &str| iiwasim(&folder, &["plan", &program, "--no-output", "--picture", name]);
@@ -141,25 +141,25 @@ fn poses_go_through_in_lines() {
     let numbers = |line: &str| -> Vec<f64> {
         line.split(',').filter_map(|field| field.parse().ok()).collect()
     };
-    for (asked, found) in
+    for (asked, actual) in
         joints.lines().skip(1).filter(|line| !line.is_empty()).zip(back.lines().skip(1))
     {
-        let (asked, found) = (numbers(asked), numbers(found));
-        assert_eq!(found.len(), 7, "{back}");
-        assert!(asked.iter().zip(&found).all(|(a, b)| (a - b).abs() < 1e-9), "{back}");
+        let (asked, actual) = (numbers(asked), numbers(actual));
+        assert_eq!(actual.len(), 7, "{back}");
+        assert!(asked.iter().zip(&actual).all(|(a, b)| (a - b).abs() < 1e-9), "{back}");
     }
 
     // JSON objects; processing continues after an unreachable one.
     let frames = "{\"x_mm\": 600, \"y_mm\": 0, \"z_mm\": 400, \"a_deg\": 0, \"b_deg\": 180, \"c_deg\": 0}\n\
                   {\"x_mm\": 6000, \"y_mm\": 0, \"z_mm\": 400, \"a_deg\": 0, \"b_deg\": 180, \"c_deg\": 0}\n";
     let arguments = ["ik", "--stdin", "--json", "--e1-deg", "0", "--status", "2"];
-    let found = from_stdin(&arguments, frames).code(3);
-    let stdout = String::from_utf8(found.get_output().stdout.clone()).unwrap();
+    let output = from_stdin(&arguments, frames).code(3);
+    let stdout = String::from_utf8(output.get_output().stdout.clone()).unwrap();
     let lines: Vec<Value> =
         stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(lines[0]["joints_deg"].as_array().unwrap().len(), 7);
     assert!(lines[1]["error"].as_str().unwrap().contains("mm"), "{stdout}");
-    found.stderr(contains("line 2").and(contains("1 of 2 frames")));
+    output.stderr(contains("line 2").and(contains("1 of 2 frames")));
 
     // Processing also continues after invalid joint positions; `ik` reads the output of `fk`.
     let joints = "{\"joints_deg\": [0,30,0,-60,0,90,0]}\n{\"joints_deg\": [200,0,0,0,0,0,0]}\n\
@@ -171,13 +171,13 @@ fn poses_go_through_in_lines() {
     assert!(stderr.contains("standard input, line 2: joint A1 is at 200 deg"), "{stderr}");
     assert!(!stderr.contains("--frame"), "{stderr}");
     let back = String::from_utf8(back.get_output().stdout.clone()).unwrap();
-    for (asked, found) in joints.lines().zip(back.lines()).step_by(2) {
-        let [asked, found] =
-            [asked, found].map(|line| serde_json::from_str::<Value>(line).unwrap());
+    for (asked, actual) in joints.lines().zip(back.lines()).step_by(2) {
+        let [asked, actual] =
+            [asked, actual].map(|line| serde_json::from_str::<Value>(line).unwrap());
         for j in 0..7 {
-            let [asked, found] =
-                [&asked, &found].map(|object| object["joints_deg"][j].as_f64().unwrap());
-            assert!((asked - found).abs() < 1e-9, "{back}");
+            let [asked, actual] =
+                [&asked, &actual].map(|object| object["joints_deg"][j].as_f64().unwrap());
+            assert!((asked - actual).abs() < 1e-9, "{back}");
         }
     }
     // Numbers are printed without noise in their last digits.

@@ -28,7 +28,7 @@ fn ptp_motions_can_start_as_in_sunrise() {
 }
 
 #[test]
-fn what_a_time_rests_on_is_said() {
+fn timing_assumptions_are_reported() {
     let folder = tempdir().unwrap();
     let line = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": [
         { "type": "ptp", "joints_deg": [90, 0, 0, 0, 0, 0, 0] } ] }"#;

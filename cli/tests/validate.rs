@@ -51,13 +51,13 @@ fn a_plan_of_the_same_robot_scores_zero() {
                 .and(contains("secret").not()),
         )
         .stderr(is_empty());
-    let found = figures(&folder, &["--override", "50"]);
+    let actual = figures(&folder, &["--override", "50"]);
     assert_eq!(
-        (&found["recording"], &found["program"]),
+        (&actual["recording"], &actual["program"]),
         (&"log.csv".into(), &"program.json".into())
     );
-    assert!(!found.to_string().contains("secret"));
-    let motions = found["motions"].as_array().unwrap();
+    assert!(!actual.to_string().contains("secret"));
+    let motions = actual["motions"].as_array().unwrap();
     assert_eq!(motions.len(), 8);
     // At the override, motions take twice as long as planned at full speed.
     let first = &motions[0];
@@ -70,7 +70,7 @@ fn a_plan_of_the_same_robot_scores_zero() {
     for key in
         ["/score/time_percent/worst", "/score/joint_off_deg/worst", "/score/tcp_off_mm/worst"]
     {
-        let worst = found.pointer(key).unwrap().as_f64().unwrap();
+        let worst = actual.pointer(key).unwrap().as_f64().unwrap();
         assert!(worst < 1e-3, "{key}: {worst}");
     }
 }
@@ -78,18 +78,18 @@ fn a_plan_of_the_same_robot_scores_zero() {
 #[test]
 fn other_ramps_and_overrides_show() {
     let folder = recorded("jerk");
-    let found = figures(&folder, &["--override", "50"]);
-    let worst = found.pointer("/score/time_percent/worst").unwrap().as_f64().unwrap();
+    let actual = figures(&folder, &["--override", "50"]);
+    let worst = actual.pointer("/score/time_percent/worst").unwrap().as_f64().unwrap();
     assert!(worst > 1.0, "{worst}");
-    let found = figures(&folder, &["--override", "50", "--timing", "jerk"]);
-    assert!(found.pointer("/score/time_percent/worst").unwrap().as_f64().unwrap() < 0.01);
+    let actual = figures(&folder, &["--override", "50", "--timing", "jerk"]);
+    assert!(actual.pointer("/score/time_percent/worst").unwrap().as_f64().unwrap() < 0.01);
     iiwasim(&folder, &[&FILES[..], &["--timing", "jerk"]].concat())
         .success()
         .stdout(contains("Note: most motions took far longer than planned: was the robot in T1"));
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn faults_are_reported() {
     let folder = recorded("sunrise");
     for (arguments, words) in [
         (&["validate", "secret/log.csv", "secret/program.json"][..], "secret/log.csv"),

@@ -119,7 +119,8 @@ def main() -> int:
             equal = figures.equals(alone)
             failed |= not (once and equal)
             print(
-                f"{on}, 2 workers, one killed after {killed_at} rows: {took_s:.1f} s, {count / took_s:.0f} a second; "
+                f"{on}, 2 workers, one killed after {killed_at} rows: {took_s:.1f} s, "
+                f"{count / took_s:.0f} a second; "
                 f"{'every row once' if once else 'ROWS ARE MISSING OR TWICE'}, "
                 f"{'equal to one core' if equal else 'NOT EQUAL TO ONE CORE'}",
                 flush=True,
@@ -132,7 +133,8 @@ def main() -> int:
         ]
         planned, machine = zip(*turns)
         print(
-            f"{on}: two workers plan {median(planned):.2f} times what one does ({min(planned):.2f} to {max(planned):.2f}, "
+            f"{on}: two workers plan {median(planned):.2f} times what one does ({min(planned):.2f} "
+            f"to {max(planned):.2f}, "
             f"{TURNS} turns of {len(some)}); two processes that count, {median(machine):.2f} times "
             f"({min(machine):.2f} to {max(machine):.2f})",
             flush=True,

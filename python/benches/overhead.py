@@ -62,15 +62,18 @@ def beside_rust(native: str) -> None:
     }
     ours, theirs = middle["plan_us"]
     print(
-        f"plan of ten motions: Python {ours:.0f} us, Rust {theirs:.0f} us: {ours - theirs:+.0f} us, {ours / theirs:.3f}"
+        f"plan of ten motions: Python {ours:.0f} us, Rust {theirs:.0f} us: {ours - theirs:+.0f} "
+        f"us, {ours / theirs:.3f}"
     )
     ours, theirs = middle["sample_us"]
     print(
-        f"{samples} samples at 1 kHz: Python {ours / 1e3:.2f} ms, Rust {theirs / 1e3:.2f} ms; {10e3 / samples * ours / 1e3:.2f} ms for 10 s"
+        f"{samples} samples at 1 kHz: Python {ours / 1e3:.2f} ms, Rust {theirs / 1e3:.2f} ms; "
+        f"{10e3 / samples * ours / 1e3:.2f} ms for 10 s"
     )
     ours, theirs = middle["fk_us"]
     print(
-        f"100 000 poses: Python {ours / 1e3:.2f} ms, Rust {theirs / 1e3:.2f} ms: {ours / theirs:.2f}"
+        f"100 000 poses: Python {ours / 1e3:.2f} ms, Rust {theirs / 1e3:.2f} ms: "
+        f"{ours / theirs:.2f}"
     )
 
 
@@ -86,7 +89,8 @@ def cores() -> None:
             took.append(time.perf_counter() - begin)
         ratios.append(took[0] / took[1])
     print(
-        f"plan_all on two cores: {statistics.median(ratios):.2f} times one core ({os.cpu_count()} cores here)"
+        f"plan_all on two cores: {statistics.median(ratios):.2f} times one core ({os.cpu_count()} "
+        "cores here)"
     )
 
     def speed(stop: threading.Event, counted: list[float]) -> None:
@@ -112,7 +116,8 @@ def cores() -> None:
             for _ in range(TURNS)
         ]
         print(
-            f"another thread of Python beside plan_all(jobs={jobs}): {statistics.median(kept):.2f} of its speed alone"
+            f"another thread of Python beside plan_all(jobs={jobs}): {statistics.median(kept):.2f} "
+            "of its speed alone"
         )
 
 
@@ -136,7 +141,8 @@ def interrupted() -> None:
         except KeyboardInterrupt:
             waits.append(time.perf_counter() - sent[0])
     print(
-        f"Ctrl-C ends plan_all after {1e3 * statistics.median(waits):.0f} ms, at most {1e3 * max(waits):.0f} ms"
+        f"Ctrl-C ends plan_all after {1e3 * statistics.median(waits):.0f} ms, at most "
+        f"{1e3 * max(waits):.0f} ms"
     )
 
 

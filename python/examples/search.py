@@ -150,7 +150,8 @@ def main() -> None:
         print(f"{name:30}  {at:8.2f}  {low_at + point * (high_at - low_at):8.2f} {unit}".rstrip())
     print(f"{'cycle time':30}  {before['cycle_time_s']:8.3f}  {after['cycle_time_s']:8.3f} s")
     print(
-        f"{'clearance to the press':30}  {1e3 * before['clearance_m']:8.1f}  {1e3 * after['clearance_m']:8.1f} mm"
+        f"{'clearance to the press':30}  {1e3 * before['clearance_m']:8.1f}  "
+        f"{1e3 * after['clearance_m']:8.1f} mm"
     )
     print(f"{planned} programs in {took_s:.1f} s ({asked.on})")
 

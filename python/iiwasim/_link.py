@@ -95,11 +95,17 @@ class Line:
 
     def _refusal(self, event: int, keys: Keys | None) -> DriveTimeout:
         if event == zmq.EVENT_HANDSHAKE_FAILED_AUTH:
-            why = "`key` is not on its list; put the .pub file of the same name into the folder of its --allow"
+            why = (
+                "`key` is not on its list; put the .pub file of the same name into the folder of "
+                "its --allow"
+            )
         elif event == zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL and keys is None:
             why = "it requires keys, or is not a drive: give `key` and `server_key`"
         elif event == zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL:
-            why = "it has no keys, or is not a drive: leave out `key` and `server_key`, or start it with --key and --allow"
+            why = (
+                "it has no keys, or is not a drive: leave out `key` and `server_key`, or start it "
+                "with --key and --allow"
+            )
         else:
             why = "it closed the connection; do the keys fit, and is `server_key` its .pub file?"
             return ConnectionLost(
@@ -184,12 +190,14 @@ class Keys(NamedTuple):
             raise ValueError(f"{key} has a public key only; `key` is your own .key file")
         if os.name == "posix" and (mode := stat.S_IMODE(Path(key).stat().st_mode)) & 0o077:
             raise ValueError(
-                f"{key} has a secret key, and others may access it (mode {mode:04o}): `chmod 600` it"
+                f"{key} has a secret key, and others may access it (mode {mode:04o}): `chmod 600` "
+                "it"
             )
         server, foreign = _certificate(server_key)
         if foreign is not None:
             raise ValueError(
-                f"{server_key} has a secret key, which its owner alone should have; give the .pub file"
+                f"{server_key} has a secret key, which its owner alone should have; give the .pub "
+                "file"
             )
         return cls(public, secret, server)
 
@@ -221,7 +229,8 @@ def endpoint(text: str, keys: Keys | None) -> tuple[str, int]:
         is_here = False
     if keys is None and not is_here:
         raise ValueError(
-            f"{text} may be another machine, so keys are required: make them with `iiwasim keygen NAME`, and give "
+            f"{text} may be another machine, so keys are required: make them with `iiwasim keygen "
+            "NAME`, and give "
             "key='NAME.key' and server_key='drive.pub'"
         )
     return host, int(parts[2])

@@ -68,5 +68,6 @@ def notebook(plan: Plan) -> str:
     page_of_plan = html.escape(report(plan, None), quote=True)
     return (
         f"<pre>{html.escape(plan.table())}</pre>"
-        f'<iframe srcdoc="{page_of_plan}" style="width: 100%; height: 860px; border: 1px solid #ccc"></iframe>'
+        f'<iframe srcdoc="{page_of_plan}" style="width: 100%; height: 860px; border: 1px solid '
+        f'#ccc"></iframe>'
     )

@@ -98,7 +98,8 @@ def read(folder: str | PathLike[str]) -> pa.Table:
     rows = _known(Path(folder)).get("rows")
     if figures.num_rows != rows:
         raise IiwasimError(
-            f"{folder} has figures of {figures.num_rows} of {rows} programs; plan them again for the others"
+            f"{folder} has figures of {figures.num_rows} of {rows} programs; plan them again for "
+            "the others"
         )
     return figures
 

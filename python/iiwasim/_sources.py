@@ -64,12 +64,14 @@ def of_path(path: str | os.PathLike[str], column: str) -> Source:
     """
     if isinstance(path, str) and path.lstrip()[:1] in ("{", "[") and not os.path.exists(path):
         raise IiwasimError(
-            "the source is a JSON text; `plan` takes the path of a file, and `figures` programs in memory"
+            "the source is a JSON text; `plan` takes the path of a file, and `figures` programs in "
+            "memory"
         )
     if not isinstance(path, (str, os.PathLike)):
         found = type(path).__name__
         raise TypeError(
-            f"the source is a {found}; `plan` takes the path of a file, and `figures` programs in memory"
+            f"the source is a {found}; `plan` takes the path of a file, and `figures` programs in "
+            "memory"
         )
     path = Path(path)
     if not path.exists():
@@ -79,7 +81,10 @@ def of_path(path: str | os.PathLike[str], column: str) -> Source:
             str(path), lambda: pa.schema({column: pa.string()}), lambda: _lines(path, column)
         )
     if path.suffix not in PARQUET and not path.is_dir():
-        known = f"Parquet ({', '.join(PARQUET)}, or a folder of them) nor JSON lines ({', '.join(LINES)})"
+        known = (
+            f"Parquet ({', '.join(PARQUET)}, or a folder of them) nor JSON lines "
+            f"({', '.join(LINES)})"
+        )
         raise IiwasimError(f"{path} is neither {known}")
     try:
         # The files of a folder are read in the order of their names.

@@ -104,7 +104,8 @@ def mapped(
     planning = Planning(column, options)
     if column not in frame.columns:
         raise IiwasimError(
-            f"the data frame has no column {column!r}; it has {', '.join(frame.columns)}: give `column`"
+            f"the data frame has no column {column!r}; it has {', '.join(frame.columns)}: give "
+            "`column`"
         )
     return frame.map_partitions(_partition, planning, meta=_partition(frame._meta, planning))
 

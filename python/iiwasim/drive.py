@@ -348,7 +348,10 @@ class Drive:
                     return
                 yield sample
             if not self._closed:
-                heard = f"the drive at {self._stream_at} has published nothing for {self._timeout_s:g} s"
+                heard = (
+                    f"the drive at {self._stream_at} has published nothing for {self._timeout_s:g} "
+                    "s"
+                )
                 raise DriveTimeout(
                     "timeout", f"{heard}; does it hear the robot? `iiwasim status` tells"
                 )
@@ -567,7 +570,10 @@ def _program_keys(program: ProgramText | Mapping[str, Any] | str) -> dict[str, A
     elif hasattr(program, "keys"):
         keys = dict(program)
     else:
-        forms = "an iiwasim.Program, of motions or of a file by its load, the keys of one, or its JSON as a str"
+        forms = (
+            "an iiwasim.Program, of motions or of a file by its load, the keys of one, or its JSON "
+            "as a str"
+        )
         raise TypeError(f"a program is {forms}; found {type(program).__name__}")
     if not isinstance(keys, dict):
         raise TypeError(f"a program is a JSON object, found {type(keys).__name__}")

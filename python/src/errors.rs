@@ -29,8 +29,8 @@ where
 /// A `TypeError` for an argument of the wrong type.
 pub(crate) fn unexpected(name: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr {
     match value.get_type().name() {
-        Ok(found) => {
-            PyTypeError::new_err(format!("{name} is of type {found}; {expected} is expected"))
+        Ok(class) => {
+            PyTypeError::new_err(format!("{name} is of type {class}; {expected} is expected"))
         }
         Err(error) => error,
     }
@@ -44,15 +44,15 @@ const IS_A_FOLDER: i32 = 21;
 /// error number of the system.
 pub(crate) fn os_error(path: &Path, error: &io::Error) -> PyErr {
     let text = error.to_string();
-    let what = text.split(" (os error").next().unwrap_or(&text).to_owned();
+    let message = text.split(" (os error").next().unwrap_or(&text).to_owned();
     let number = error.raw_os_error().or_else(|| match path {
         _ if path.is_dir() => Some(IS_A_FOLDER),
         _ if !folder_of(path).is_dir() => Some(NO_SUCH_FILE),
         _ => None,
     });
     match number {
-        Some(number) => PyOSError::new_err((number, what, path.display().to_string())),
-        None => PyOSError::new_err(format!("{}: {what}", path.display())),
+        Some(number) => PyOSError::new_err((number, message, path.display().to_string())),
+        None => PyOSError::new_err(format!("{}: {message}", path.display())),
     }
 }
 
@@ -77,8 +77,8 @@ pub(crate) fn read_text(py: Python<'_>, path: &Path, class: &str) -> PyResult<St
     })
 }
 
-fn in_text(py: Python<'_>, class: &str, what: &str, place: &Place) -> PyErr {
-    exception(py, class, (format!("{what}, at {place}"), place.line, place.column))
+fn in_text(py: Python<'_>, class: &str, message: &str, place: &Place) -> PyErr {
+    exception(py, class, (format!("{message}, at {place}"), place.line, place.column))
 }
 
 /// A `ProgramError` for an invalid program text.

@@ -81,8 +81,8 @@ impl PlanArgument {
             Self::Plan(plan) => Ok(Reference::from_trajectory(plan.get().trajectory())),
             Self::File(name, bytes) => {
                 Reference::read_mcap(bytes.as_bytes(py), None).map_err(|error| {
-                    let what = format!("{name}: {}", with_causes(&error));
-                    exception(py, "RecordingError", (what,))
+                    let message = format!("{name}: {}", with_causes(&error));
+                    exception(py, "RecordingError", (message,))
                 })
             }
         }
@@ -287,7 +287,7 @@ pub(crate) fn identify(
     let mut sources = Vec::new();
     for (index, recording) in recordings.iter().enumerate() {
         let log = &recording.get().log;
-        let own = match (program, &log.program) {
+        let planned_program = match (program, &log.program) {
             (Some(program), _) => ProgramSource::clone(&program.get().source),
             (None, Some(text)) => {
                 ProgramSource::from_json(text).map_err(|error| plan_error(py, &error))?
@@ -305,9 +305,9 @@ pub(crate) fn identify(
             model = Some(match (program, recorded) {
                 (Some(program), _) => program.get().model(),
                 (None, Some(robot)) => robot,
-                (None, None) => {
-                    PlanRequest::default().robot(&own).map_err(|error| plan_error(py, &error))?
-                }
+                (None, None) => PlanRequest::default()
+                    .robot(&planned_program)
+                    .map_err(|error| plan_error(py, &error))?,
             });
         }
         if let Some(model) = &model {
@@ -315,7 +315,7 @@ pub(crate) fn identify(
             let checked = log.check_robot(model).and_then(|()| log.check_motion());
             checked.map_err(|error| recording_error(py, &name, &error))?;
         }
-        sources.push((own.program, std::sync::Arc::clone(log)));
+        sources.push((planned_program.program, std::sync::Arc::clone(log)));
     }
     if sources.is_empty() {
         return Err(PyValueError::new_err("recordings is empty; at least one is needed"));
@@ -328,19 +328,19 @@ pub(crate) fn identify(
                 .iter()
                 .map(|(program, log)| identified::Recording { program, log })
                 .collect();
-            let found = identified::identify(&recordings, &model);
-            (found, sources)
+            let result = identified::identify(&recordings, &model);
+            (result, sources)
         }
     };
-    let (found, sources) = interruptible(py, work, |_| Ok(()))?;
-    let found = found.map_err(|error| {
-        let what = format!("recordings[{}]: {}", error.recording(), with_causes(&error));
-        exception(py, "RecordingError", (what,))
+    let (result, sources) = interruptible(py, work, |_| Ok(()))?;
+    let identified = result.map_err(|error| {
+        let message = format!("recordings[{}]: {}", error.recording(), with_causes(&error));
+        exception(py, "RecordingError", (message,))
     })?;
     let names: Vec<_> = (0..sources.len()).map(|index| format!("recordings[{index}]")).collect();
     let named: Vec<_> =
         names.iter().zip(&sources).map(|(name, (_, log))| (name.as_str(), &**log)).collect();
-    let report = IdentificationReport::new(&named, name, &found, None);
+    let report = IdentificationReport::new(&named, name, &identified, None);
     if report.is_empty() {
         return Err(exception(
             py,
@@ -348,7 +348,7 @@ pub(crate) fn identify(
             ("the recordings show no limit, no time to settle and no blend",),
         ));
     }
-    Ok(Identification { made_of, robot: found.robot(&model).with_name(name), model, report })
+    Ok(Identification { made_of, robot: identified.robot(&model).with_name(name), model, report })
 }
 
 #[pymethods]

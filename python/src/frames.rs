@@ -86,13 +86,13 @@ impl<'a> Workplace<'a> {
             let target = Target::from_json(&json(py, frame)?);
             TargetRef::Given(target.map_err(|error| program_error(py, &error))?)
         };
-        let found = self.workcell.target(&frame, self.base_name.as_deref());
-        let (target, pose) = found.map_err(|fault| invalid(&fault))?;
+        let resolved = self.workcell.target(&frame, self.base_name.as_deref());
+        let (target, pose) = resolved.map_err(|fault| invalid(&fault))?;
         let flange = if self.tcp == Pose::IDENTITY { pose } else { pose.then(&self.tcp.inverse()) };
         let near = near.map(|joints| self.robot.redundancy(joints));
-        let missing = |what: &str, key: &str| {
+        let missing = |quantity: &str, key: &str| {
             PyValueError::new_err(format!(
-                "{what} is missing: give {key}, or joints nearby as near"
+                "{quantity} is missing: give {key}, or joints nearby as near"
             ))
         };
         if let Some(e1_deg) = e1_deg.filter(|it| !it.is_finite()) {
@@ -114,10 +114,10 @@ impl<'a> Workplace<'a> {
             .or(target.status)
             .or(near.map(|near| near.status))
             .ok_or_else(|| missing("the status, 0 to 7,", "status"))?;
-        let unreachable = |what: &dyn std::error::Error| {
+        let unreachable = |reason: &dyn std::error::Error| {
             let ranges = self.robot.allowed_e1(&flange, status).unwrap_or_default();
             let ranges = ranges.iter().map(|range| range.map(f64::to_degrees)).collect::<Vec<_>>();
-            exception(py, "UnreachableError", (what.to_string(), ranges))
+            exception(py, "UnreachableError", (reason.to_string(), ranges))
         };
         let joints = self.robot.inverse(&flange, e1_rad, status).map_err(|it| unreachable(&it))?;
         self.robot.limits().check(&joints).map_err(|outside| unreachable(&outside))?;

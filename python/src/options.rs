@@ -65,10 +65,10 @@ pub(crate) fn search_name(search: BlendSearch) -> &'static str {
 }
 
 /// The value of an option name.
-fn word<T: Copy>(what: &str, word: &str, known: &[(&str, T)]) -> PyResult<T> {
+fn word<T: Copy>(option: &str, word: &str, known: &[(&str, T)]) -> PyResult<T> {
     known.iter().find(|(name, _)| *name == word).map(|(_, value)| *value).ok_or_else(|| {
         let names: Vec<_> = known.iter().map(|(name, _)| format!("'{name}'")).collect();
-        PyValueError::new_err(format!("{what} is '{word}'; {} are known", names.join(", ")))
+        PyValueError::new_err(format!("{option} is '{word}'; {} are known", names.join(", ")))
     })
 }
 

@@ -8,9 +8,9 @@ use std::{
 use iiwa_files::Output;
 use iiwa_log::{PlanConfig, write_plan};
 use iiwa_plan::{PlanFigures, ProgramSource};
+use iiwa_report::{PlanPicture, plan_table, with_causes};
 use iiwa_scene::{ArmInScene, PlannedClearance};
 use iiwa_traj::Trajectory;
-use iiwa_report::{PlanPicture, plan_table, with_causes};
 use pyo3::{
     exceptions::{PyOSError, PyRuntimeError, PyValueError},
     prelude::*,
@@ -75,8 +75,8 @@ impl Plan {
     ) -> Option<Clearance> {
         py.detach(|| {
             let arm = ArmInScene::new(self.planned.robot(), &scene.parsed);
-            let found = find(&arm, self.trajectory())?;
-            Some(Clearance::new(&arm, &found.clearance, Some(&found)))
+            let clearance = find(&arm, self.trajectory())?;
+            Some(Clearance::new(&arm, &clearance.clearance, Some(&clearance)))
         })
     }
 }
@@ -393,16 +393,16 @@ impl Plan {
 
     /// Reduces the plan to its input, as the same input gives the same plan.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
-        let (py, own) = (slf.py(), slf.get());
-        let path = own.planned.options.path;
+        let (py, plan) = (slf.py(), slf.get());
+        let path = plan.planned.options.path;
         let words = (
-            own.timing(),
+            plan.timing(),
             crate::options::shape_name(path.blend_shape),
             crate::options::search_name(path.blend_search),
-            own.planned.options.samples,
+            plan.planned.options.samples,
         );
         let restore = py.import("iiwasim._figures")?.getattr("planned")?;
-        Ok((restore, (own.program(), words).into_pyobject(py)?))
+        Ok((restore, (plan.program(), words).into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {

@@ -37,13 +37,13 @@ impl Job {
     fn new(
         program: &Program,
         robot: Option<&Model>,
-        instead: Instead,
+        overrides: Overrides,
         options: PlanOptions,
     ) -> Self {
         let request = PlanRequest {
             robot: Some(robot.cloned().unwrap_or_else(|| program.model())),
-            torque_limit_rel: instead.torque_limit_rel,
-            speed_override: instead.speed_override,
+            torque_limit_rel: overrides.torque_limit_rel,
+            speed_override: overrides.speed_override,
             options,
             ..PlanRequest::default()
         };
@@ -73,14 +73,14 @@ impl Job {
 
 /// Options that replace those of the program.
 #[derive(Clone, Copy)]
-struct Instead {
+struct Overrides {
     /// Torque limit as a share of the robot's torque limits.
     torque_limit_rel: Option<f64>,
     /// Override of the controller, as a share.
     speed_override: Option<f64>,
 }
 
-impl Instead {
+impl Overrides {
     fn new(limit_torque_percent: Option<f64>, override_percent: Option<f64>) -> PyResult<Self> {
         let torque = (MIN_TORQUE_LIMIT, MAX_TORQUE_LIMIT);
         Ok(Self {
@@ -91,13 +91,13 @@ impl Instead {
 }
 
 /// Converts a percentage to a share, and checks it against bounds, which are shares.
-fn share(name: &str, percent: Option<f64>, (least, most): (f64, f64)) -> PyResult<Option<f64>> {
+fn share(name: &str, percent: Option<f64>, (min, max): (f64, f64)) -> PyResult<Option<f64>> {
     let Some(percent) = percent else { return Ok(None) };
     let share = percent / 100.0;
-    if !(least..=most).contains(&share) {
-        let (least, most) = (100.0 * least, 100.0 * most);
+    if !(min..=max).contains(&share) {
+        let (min_percent, max_percent) = (100.0 * min, 100.0 * max);
         return Err(PyValueError::new_err(format!(
-            "{name} is {percent}; from {least} to {most} are possible"
+            "{name} is {percent}; from {min_percent} to {max_percent} are possible"
         )));
     }
     Ok(Some(share))
@@ -150,8 +150,8 @@ pub(crate) fn plan(
 ) -> PyResult<Plan> {
     let options = plan_options(timing, blend_shape, blend_search, samples)?;
     let robot = robot.map(|robot| robot.model(py)).transpose()?;
-    let instead = Instead::new(limit_torque_percent, override_percent)?;
-    let job = Job::new(program.get(), robot.as_ref(), instead, options);
+    let overrides = Overrides::new(limit_torque_percent, override_percent)?;
+    let job = Job::new(program.get(), robot.as_ref(), overrides, options);
     let work = move |stop| {
         let planned = job.plan(&mut None, &stop);
         (job, planned)
@@ -192,14 +192,14 @@ pub(crate) fn plan_all<'py>(
 ) -> PyResult<Bound<'py, PyList>> {
     let options = plan_options(timing, blend_shape, blend_search, samples)?;
     let robot = robot.map(|robot| robot.model(py)).transpose()?;
-    let instead = Instead::new(limit_torque_percent, override_percent)?;
+    let overrides = Overrides::new(limit_torque_percent, override_percent)?;
     let mut work = Vec::new();
     for (index, program) in programs.try_iter()?.enumerate() {
         let program = program?;
         let program = program
             .cast::<Program>()
             .map_err(|_| unexpected(&format!("programs[{index}]"), &program, "a Program"))?;
-        work.push(Job::new(program.get(), robot.as_ref(), instead, options));
+        work.push(Job::new(program.get(), robot.as_ref(), overrides, options));
     }
     let total = work.len();
     let cores = available_parallelism().map_or(1, usize::from);
@@ -226,18 +226,18 @@ pub(crate) fn plan_all<'py>(
         };
         pool.install(|| -> Vec<_> { work.into_par_iter().map_init(|| None, plan).collect() })
     };
-    let mut told = None;
-    let mut tell = || -> PyResult<()> {
+    let mut last_report = None;
+    let mut report = || -> PyResult<()> {
         let (Some(progress), now) = (&progress, done.load(Ordering::Relaxed)) else {
             return Ok(());
         };
-        if told.replace(now) != Some(now) {
+        if last_report.replace(now) != Some(now) {
             progress.call1((now, total))?;
         }
         Ok(())
     };
-    let planned = interruptible(py, plan_them, |_| tell())?;
-    tell()?;
+    let planned = interruptible(py, plan_them, |_| report())?;
+    report()?;
     let results = PyList::empty(py);
     for (job, planned) in planned {
         match job.result(py, planned) {

@@ -71,13 +71,13 @@ impl Program {
         } else {
             Arc::new(ProgramSource::from((**parsed).clone()))
         };
-        let own = Self { source, robot: Some(Arc::new(robot.clone())) };
-        if own.names_its_robot() {
-            return own;
+        let program = Self { source, robot: Some(Arc::new(robot.clone())) };
+        if program.names_its_robot() {
+            return program;
         }
         let mut parsed = (**parsed).clone();
-        parsed.robot = Some(own.model().name().to_owned());
-        Self { source: Arc::new(parsed.into()), robot: own.robot }
+        parsed.robot = Some(program.model().name().to_owned());
+        Self { source: Arc::new(parsed.into()), robot: program.robot }
     }
 
     pub(crate) fn parsed(&self) -> &Motions {
@@ -163,7 +163,8 @@ impl Program {
         }
         if start.len() != 1 {
             return Err(PyValueError::new_err(
-                "a program has to start somewhere: give one of start_deg, start_rad and start_frame",
+                "a program has to start somewhere: give one of start_deg, start_rad and \
+                 start_frame",
             ));
         }
         let program = PyDict::new(py);
@@ -352,8 +353,8 @@ impl Program {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
-        let own = slf.get();
-        let parts = (own.text(), own.robot.as_deref().map(restorable));
+        let program = slf.get();
+        let parts = (program.text(), program.robot.as_deref().map(restorable));
         Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(slf.py())?))
     }
 

@@ -201,14 +201,14 @@ impl Recording {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
-        let (py, own) = (slf.py(), slf.get());
-        let mut rest = (*own.log).clone();
+        let (py, recording) = (slf.py(), slf.get());
+        let mut rest = (*recording.log).clone();
         (rest.t_s, rest.q_rad) = (Vec::new(), Vec::new());
         let torques = mem::take(&mut rest.torques_nm);
         let torques: Vec<_> = torques.into_iter().map(|it| it.unwrap_or([f64::NAN; 7])).collect();
         let rest = serde_json::to_string(&rest)
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let parts = (own.t(py), own.q(py)?, joint_array(py, torques)?, rest);
+        let parts = (recording.t(py), recording.q(py)?, joint_array(py, torques)?, rest);
         Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(py)?))
     }
 

@@ -275,7 +275,8 @@ impl Robot {
     /// >>> frame = robot.frame([0, 0.5, 0.1, -1.0, 0, 0.7, 0])
     /// >>> bool(abs(robot.ik(frame) - [0, 0.5, 0.1, -1.0, 0, 0.7, 0]).max() < 1e-9)
     /// True
-    #[pyo3(signature = (frame, *, e1_deg = None, status = None, near = None, program = None, tool = None, base = None))]
+    #[pyo3(signature = (frame, *, e1_deg = None, status = None, near = None, program = None,
+        tool = None, base = None))]
     #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
     fn ik<'py>(
         &self,

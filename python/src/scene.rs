@@ -102,17 +102,17 @@ impl Scene {
         let robot = robot.map(|robot| robot.model(py)).transpose()?.unwrap_or_default();
         let rows = Rows::new("q", &q)?;
         let arm = ArmInScene::new(&robot, &self.parsed);
-        let found = arm.clearance(rows.single("q")?);
-        Ok(found.map(|found| Clearance::new(&arm, &found, None)))
+        let distance = arm.clearance(rows.single("q")?);
+        Ok(distance.map(|distance| Clearance::new(&arm, &distance, None)))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
-        let (py, own) = (slf.py(), slf.get());
+        let (py, scene) = (slf.py(), slf.get());
         let meshes = PyDict::new(py);
-        for (name, bytes) in &own.meshes {
+        for (name, bytes) in &scene.meshes {
             meshes.set_item(name, PyBytes::new(py, bytes))?;
         }
-        Ok((slf.get_type().getattr("_restore")?, (&*own.text, meshes).into_pyobject(py)?))
+        Ok((slf.get_type().getattr("_restore")?, (&*scene.text, meshes).into_pyobject(py)?))
     }
 
     #[staticmethod]
@@ -148,15 +148,19 @@ pub(crate) struct Clearance {
 }
 
 impl Clearance {
-    pub(crate) fn new(arm: &ArmInScene, found: &Distance, when: Option<&PlannedClearance>) -> Self {
+    pub(crate) fn new(
+        arm: &ArmInScene,
+        distance: &Distance,
+        when: Option<&PlannedClearance>,
+    ) -> Self {
         Self {
-            distance_m: found.distance_m,
-            link: found.link,
-            obstacle: arm.name_of(found.other),
+            distance_m: distance.distance_m,
+            link: distance.link,
+            obstacle: arm.name_of(distance.other),
             at_s: when.map(|when| when.at_s),
             motion: when.map(|when| when.motion.number()),
-            on_link_m: found.on_link_m,
-            on_obstacle_m: found.on_other_m,
+            on_link_m: distance.on_link_m,
+            on_obstacle_m: distance.on_other_m,
         }
     }
 }
@@ -164,15 +168,15 @@ impl Clearance {
 #[pymethods]
 impl Clearance {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
-        let (py, own) = (slf.py(), slf.get());
+        let (py, clearance) = (slf.py(), slf.get());
         let parts = (
-            own.distance_m,
-            own.link,
-            own.obstacle.as_str(),
-            own.at_s,
-            own.motion,
-            own.on_link_m,
-            own.on_obstacle_m,
+            clearance.distance_m,
+            clearance.link,
+            clearance.obstacle.as_str(),
+            clearance.at_s,
+            clearance.motion,
+            clearance.on_link_m,
+            clearance.on_obstacle_m,
         );
         Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(py)?))
     }
@@ -192,9 +196,9 @@ impl Clearance {
     }
 
     fn __repr__(&self) -> String {
-        let at = self.at_s.map_or_else(String::new, |at_s| format!(" at {at_s:.3} s"));
+        let time = self.at_s.map_or_else(String::new, |at_s| format!(" at {at_s:.3} s"));
         format!(
-            "<iiwasim.Clearance {:.1} mm, link {} to {}{at}>",
+            "<iiwasim.Clearance {:.1} mm, link {} to {}{time}>",
             1e3 * self.distance_m,
             self.link,
             self.obstacle

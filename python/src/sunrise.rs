@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use iiwa_sunrise::{Application, ImportOptions, import};
 use iiwa_sunrise::{AnswerValue, Answers, Project, ProjectError, QuestionKind};
+use iiwa_sunrise::{Application, ImportOptions, import};
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 use std::collections::BTreeMap;
 
@@ -29,7 +29,10 @@ fn open(py: Python<'_>, folder: &Path) -> PyResult<Project> {
 #[pyfunction]
 pub(crate) fn applications(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<String>> {
     let project = open(py, &folder)?;
-    Ok(Application::all(&project).into_iter().map(|own| own.qualified_name).collect())
+    Ok(Application::all(&project)
+        .into_iter()
+        .map(|application| application.qualified_name)
+        .collect())
 }
 
 /// The number of a button, or several numbers.
@@ -140,16 +143,16 @@ pub(crate) fn import_application<'py>(
         given.fired.insert(place, values.0);
     }
     for (place, seconds) in times.unwrap_or_default() {
-        let found = Answers::seconds(seconds);
+        let duration = Answers::seconds(seconds);
         let fault = || PyValueError::new_err(format!("times, {place:?}: {}", Answers::SECONDS));
         unasked.push((QuestionKind::Time, place.clone()));
-        given.times.insert(place.clone(), found.ok_or_else(fault)?);
+        given.times.insert(place.clone(), duration.ok_or_else(fault)?);
     }
     for (name, numbers) in tools.unwrap_or_default() {
-        let found = Answers::frame(&numbers);
+        let frame = Answers::frame(&numbers);
         let fault = || PyValueError::new_err(format!("tools, {name:?}: {}", Answers::FRAME));
         unasked.push((QuestionKind::Tool, name.clone()));
-        given.tools.insert(name.clone(), found.ok_or_else(fault)?);
+        given.tools.insert(name.clone(), frame.ok_or_else(fault)?);
     }
     let start_rad = match &start_deg {
         None => None,
@@ -165,19 +168,19 @@ pub(crate) fn import_application<'py>(
     };
     let imported = py.detach(|| import(&project, application, &options));
     let imported = imported.map_err(|error| exception(py, "SunriseError", (error.to_string(),)))?;
-    let told = PyDict::new(py);
-    told.set_item("application", imported.application.qualified_name)?;
+    let report = PyDict::new(py);
+    report.set_item("application", imported.application.qualified_name)?;
     let mut notes: Vec<_> =
         imported.notes.iter().map(|note| format!("{}: {}", note.source, note.text)).collect();
     unasked.retain(|(kind, name)| {
-        !imported.questions.iter().any(|it| it.kind == *kind && it.asked.contains(name))
+        !imported.questions.iter().any(|it| it.kind == *kind && it.subject.contains(name))
     });
     notes.extend(unasked.iter().map(|(_, name)| format!("nothing asks for {name:?}")));
-    told.set_item("notes", notes)?;
+    report.set_item("notes", notes)?;
     let asked = |it: &iiwa_sunrise::Question| {
-        format!("{}:{} asks {:?}, answered by {}", it.file, it.line, it.asked, it.answer)
+        format!("{}:{} asks {:?}, answered by {}", it.file, it.line, it.subject, it.answer)
     };
     let questions: Vec<_> = imported.questions.iter().map(asked).collect();
-    told.set_item("questions", questions)?;
-    Ok((Program::of(py, imported.program, Some(imported.robot))?, told))
+    report.set_item("questions", questions)?;
+    Ok((Program::of(py, imported.program, Some(imported.robot))?, report))
 }

@@ -46,9 +46,9 @@ impl Workers {
 
     /// Keeps an idle worker for later work.
     fn keep(py: Python<'_>, worker: Sender<Task>) {
-        let most = thread::available_parallelism().map_or(1, usize::from);
+        let processors = thread::available_parallelism().map_or(1, usize::from);
         let mut workers = Self::lock(py);
-        if workers.idle.len() < most {
+        if workers.idle.len() < processors {
             workers.idle.push(worker);
         }
     }

@@ -115,7 +115,8 @@ def check(path: Path) -> int:
         count += 1
         if not doctest.OutputChecker().check_output(example.expected, printed, doctest.ELLIPSIS):
             pytest.fail(
-                f"{path.relative_to(ROOT)}:{example.line} prints\n{printed}\nbut shows\n{example.expected}"
+                f"{path.relative_to(ROOT)}:{example.line} prints\n{printed}\nbut "
+                f"shows\n{example.expected}"
             )
     return count
 

@@ -166,7 +166,8 @@ def test_nothing_is_lost_with_the_broker(
     assert max(memory) < memory[0] + 30_000, memory
     lost_and_late = robot.lost_and_late()
     print(
-        f"{request.node.name}: {len(samples)} samples, {repeated} repeated, {missing} cycles missing,"
+        f"{request.node.name}: {len(samples)} samples, {repeated} repeated, {missing} cycles "
+        "missing,"
         f" memory {min(memory)} to {max(memory)} kB, lost and late {lost_and_late}"
     )
 

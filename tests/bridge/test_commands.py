@@ -247,7 +247,8 @@ def test_stop_passes_a_flood(way: Way, allowed: Bridge, simulated_robot: Robot, 
     began = time.monotonic()
     stop = reply_to(way, send(way, "stop"))
     print(
-        f"{way.label}: in a flood, {stop} {time.monotonic() - began:.2f} s after the command to stop"
+        f"{way.label}: in a flood, {stop} {time.monotonic() - began:.2f} s after the command to "
+        "stop"
     )
     assert stop["ok"]
     assert "stopped" in reply_to(way, identity)["error"]["message"]

@@ -314,6 +314,7 @@ def test_latency(kafka: KafkaBroker, bridge: Start, quick_robot: Robot, name: st
         run.wait()
         ages.sort()
         print(
-            f"Kafka: {len(ages)} samples, {1000 * ages[len(ages) // 2]:.1f} ms old when read, at most {1000 * ages[-1]:.0f}"
+            f"Kafka: {len(ages)} samples, {1000 * ages[len(ages) // 2]:.1f} ms old when read, at "
+            f"most {1000 * ages[-1]:.0f}"
         )
         assert without_repetitions([])[1] == 0

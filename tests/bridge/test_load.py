@@ -31,7 +31,10 @@ def load(passing: Bridge, way: KafkaWay) -> str:
     share = 100 * (cpu_s(passing.pid) - used_s) / took_s
     rate = (len(of(way, "joints")) - before) / took_s
     check_numbers(way.read)
-    return f"{share:.1f} % of a core for {rate:.0f} samples a second, {passing.memory_kb() / 1000:.0f} MB"
+    return (
+        f"{share:.1f} % of a core for {rate:.0f} samples a second, "
+        f"{passing.memory_kb() / 1000:.0f} MB"
+    )
 
 
 def test_load_of_a_robot_at_1_khz(

@@ -340,7 +340,8 @@ def test_latency(way: MqttWay, bridge: Start, quick_robot: Robot) -> None:
     offset = min(message.at_s - message.json()["t_s"] for message in received)
     ages = sorted(message.at_s - message.json()["t_s"] - offset for message in received)
     print(
-        f"MQTT: {len(ages)} samples, later than the quickest by {1000 * ages[len(ages) // 2]:.1f} ms,"
+        f"MQTT: {len(ages)} samples, later than the quickest by {1000 * ages[len(ages) // 2]:.1f} "
+        "ms,"
         f" at most {1000 * ages[-1]:.0f}"
     )
 

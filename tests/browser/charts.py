@@ -120,7 +120,8 @@ def values_are_at_the_mouse(browser: Browser, pages) -> None:
     for share in (0.05, 0.99):
         browser.move(box["x"] + share * box["width"], box["y"] + 70)
         inside = browser.run(
-            f"(() => {{ const a = {TOLD}.getBoundingClientRect(), b = {TOLD}.parentElement.getBoundingClientRect();"
+            f"(() => {{ const a = {TOLD}.getBoundingClientRect(), b = "
+            f"{TOLD}.parentElement.getBoundingClientRect();"
             " return a.left >= b.left && a.right <= b.right })()"
         )
         assert inside, share
@@ -152,7 +153,8 @@ def torques_have_a_curve(browser: Browser, pages) -> None:
         shift = browser.run(f"report.arms[{arm}].start_s") - efforts[0][0]
         for t, effort in known[5 :: len(known) // 7]:
             shown = browser.run(
-                f"Array.from({{ length: 7 }}, (_, j) => readingAt(report.arms[{arm}].torque, {t + shift}, j, 7))"
+                f"Array.from({{ length: 7 }}, (_, j) => readingAt(report.arms[{arm}].torque, "
+                f"{t + shift}, j, 7))"
             )
             off = [abs(a - sign * b) for a, b in zip(shown, effort)]
             assert max(off) < 0.01, (file, t, shown, effort)
@@ -240,7 +242,8 @@ def charts_have_keys(browser: Browser, pages) -> None:
     browser.key("End")
     assert browser.run("state.time") == browser.run("endS")
     slider = browser.run(
-        "['role', 'aria-label', 'aria-valuenow', 'aria-valuetext'].map(it => charts[0].canvas.getAttribute(it))"
+        "['role', 'aria-label', 'aria-valuenow', 'aria-valuetext'].map(it => "
+        "charts[0].canvas.getAttribute(it))"
     )
     assert slider[0] == "slider" and "Position" in slider[1] and "A7" in slider[3], slider
     assert abs(float(slider[2]) - browser.run("state.time")) < 1e-3, slider

@@ -195,7 +195,8 @@ class Browser:
         for _ in range(10):
             self.run(
                 "window.met = 'nothing yet';"
-                f"addEventListener('click', event => {{ window.met = !!{told} }}, {{ capture: true, once: true }})"
+                f"addEventListener('click', event => {{ window.met = !!{told} }}, {{ capture: "
+                f"true, once: true }})"
             )
             box = self.box(selector)
             self.press(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)

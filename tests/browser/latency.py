@@ -105,10 +105,15 @@ def frames_latency_and_memory(browser: Browser, twin: Twin) -> str:
     share = lambda part: late_ms[int(part * (len(late_ms) - 1))]
     # The initial messages have been received by then.
     first, last = memory[len(memory) // 4], memory[-1]
-    grown = f"twin {first[0] / 1e3:.1f} to {last[0] / 1e3:.1f} MB, page {first[1] / 1e3:.1f} to {last[1] / 1e3:.1f} MB"
+    grown = (
+        f"twin {first[0] / 1e3:.1f} to {last[0] / 1e3:.1f} MB, page {first[1] / 1e3:.1f} to "
+        f"{last[1] / 1e3:.1f} MB"
+    )
     figure = (
-        f"twin, {twin.minutes:g} minutes at 5 ms: {usual:.0f} frames a second without a graphics card, from robot to "
-        f"screen {share(0.5):.0f} ms, 90 % within {share(0.9):.0f} ms, 99 % within {share(0.99):.0f} ms; memory: {grown}"
+        f"twin, {twin.minutes:g} minutes at 5 ms: {usual:.0f} frames a second without a graphics "
+        "card, from robot to "
+        f"screen {share(0.5):.0f} ms, 90 % within {share(0.9):.0f} ms, 99 % within "
+        f"{share(0.99):.0f} ms; memory: {grown}"
     )
     print(f"        {figure}", flush=True)
     assert last[0] - first[0] < 4000, grown

@@ -234,7 +234,10 @@ def schemes_and_phones(browser: Browser, pages: Pages) -> None:
             width = browser.run("document.documentElement.scrollWidth")
             assert width <= 390, f"{name}: {width} px wide on a phone"
             # Touch targets need a minimum size.
-            script = "[...document.querySelectorAll('button, select, #chips label')].map(it => it.getBoundingClientRect().height)"
+            script = (
+                "[...document.querySelectorAll('button, select, #chips label')].map(it => "
+                "it.getBoundingClientRect().height)"
+            )
             assert min(h for h in browser.run(script) if h > 0) >= 32, name
             pages.keep(browser, f"{name}-{scheme}-phone")
         assert all(a != b for a, b in zip(*looks)), f"{name}: light and dark look the same"
@@ -437,7 +440,8 @@ def many_motions_and_one(browser: Browser, pages: Pages) -> None:
         assert browser.run("document.documentElement.scrollWidth") <= 390
         # The whole table is within the screen.
         wide = browser.run(
-            "Math.max(...[...document.querySelectorAll('#table td')].map(it => it.getBoundingClientRect().right))"
+            "Math.max(...[...document.querySelectorAll('#table td')].map(it => "
+            "it.getBoundingClientRect().right))"
         )
         assert wide <= 390, wide
 

@@ -125,7 +125,8 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     browser.frames()
     assert browser.run("shown.time") == at
     browser.run(
-        "(() => { const it = document.getElementById('scrub'); it.value = 5; it.dispatchEvent(new Event('input')); })()"
+        "(() => { const it = document.getElementById('scrub'); it.value = 5; it.dispatchEvent(new "
+        "Event('input')); })()"
     )
     browser.frames()
     assert text(browser, "clock") == "5.00 s"
@@ -158,9 +159,11 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     browser.run("document.getElementById('history-torque').scrollIntoView({ block: 'center' })")
     browser.until("left_ !== null && live.newest.t_s - left_ > 3")
     q, *both, planned = browser.run(
-        "(() => { const at = countUpTo(history_.t_s.subarray(0, history_.count), left_ + 2.5), i = NUMBERS * at;"
+        "(() => { const at = countUpTo(history_.t_s.subarray(0, history_.count), left_ + 2.5), i = "
+        "NUMBERS * at;"
         " const seven = it => [...history_.rows.slice(i + it, i + it + 7)];"
-        " return [seven(0), seven(MEASURED), seven(PLANNED), [...jointsAt(desk.plan.arms[0], history_.t_s[at] - left_)]] })()"
+        " return [seven(0), seven(MEASURED), seven(PLANNED), [...jointsAt(desk.plan.arms[0], "
+        "history_.t_s[at] - left_)]] })()"
     )
     assert all(math.isfinite(nm) for row in both for nm in row), both
     ahead = [abs(a - b) for a, b in zip(planned, q)]
@@ -240,7 +243,10 @@ def stop_button_is_in_view(browser: Browser, twin: Twin) -> None:
             assert share == 0 or browser.run("scrollY") > 0, f"{width} px: nothing to scroll"
         # At the upper and the lower edge of the screen, no control is behind the header.
         for edge in ("start", "end"):
-            script = f"{CONTROLS}.flatMap(it => (it.scrollIntoView({{ block: '{edge}' }}), {UNMET}([it])))"
+            script = (
+                f"{CONTROLS}.flatMap(it => (it.scrollIntoView({{ block: '{edge}' }}), "
+                f"{UNMET}([it])))"
+            )
             assert not (unmet := browser.run(script)), (width, edge, unmet)
         # In a dialog that is longer than the screen.
         browser.run("confirmed('A question', Array(60).fill('A line'), 'Yes', 'Move'), 1")
@@ -309,7 +315,8 @@ def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
 
     def in_the_dialog() -> None:
         browser.run(
-            "window.sure = null, confirmed('A question', [], 'Yes').then(it => { window.sure = it }), 1"
+            "window.sure = null, confirmed('A question', [], 'Yes').then(it => { window.sure = it "
+            "}), 1"
         )
         browser.click("#confirm .stop")
         browser.until("window.sure === false && !document.getElementById('confirm').open")
@@ -322,7 +329,8 @@ def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
     for stop in (with_the_key, in_the_dialog, on_the_full_screen):
         send(browser)
         browser.until(
-            "desk.run && desk.run.phase === 'running' && live.health.status.state === 'running_motion'"
+            "desk.run && desk.run.phase === 'running' && live.health.status.state === "
+            "'running_motion'"
         )
         stop()
         browser.until("desk.run.phase === 'failed'")
@@ -440,7 +448,10 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
         "history_.t_s.subarray(0, history_.count).every((t, i, all) => i === 0 || t > all[i - 1])"
     )
     browser.until("speedNow() < 0.001")
-    newest = "[...history_.rows.slice(NUMBERS * (history_.count - 1), NUMBERS * (history_.count - 1) + 7)]"
+    newest = (
+        "[...history_.rows.slice(NUMBERS * (history_.count - 1), NUMBERS * (history_.count - 1) + "
+        "7)]"
+    )
     browser.until(f"{newest}.every((q, j) => Math.abs(q - live.newest.joints_rad[j]) < 1e-3)")
     look = "(drawHistory(), document.getElementById('history-joints').toDataURL())"
     before = browser.run(look)
@@ -452,7 +463,8 @@ def the_last_minutes_are_plotted(browser: Browser, twin: Twin) -> None:
     # Two minutes are kept, within the capacity.
     kept = browser.run(
         "(() => { const t = history_.t_s[history_.count - 1];"
-        " for (let i = 1; i < 40000; i++) remember({ t_s: t + 0.01 * i, joints_rad: live.newest.joints_rad });"
+        " for (let i = 1; i < 40000; i++) remember({ t_s: t + 0.01 * i, joints_rad: "
+        "live.newest.joints_rad });"
         " return [history_.count, history_.t_s[history_.count - 1] - history_.t_s[0]] })()"
     )
     assert kept[0] <= 16_000 and kept[1] >= 119, kept
@@ -552,7 +564,8 @@ def too_near_is_not_sent(browser: Browser, twin: Twin) -> None:
     assert browser.run("document.getElementById('send').disabled")
     # The server also refuses, not only the page.
     why = browser.run(
-        "order('send', { plan: desk.plan.id, move_to_start: true }).then(() => '', it => it.message)"
+        "order('send', { plan: desk.plan.id, move_to_start: true }).then(() => '', it => "
+        "it.message)"
     )
     assert why.startswith("the program is not sent: "), why
     browser.until("shown.time > 0.8")

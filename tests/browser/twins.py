@@ -78,7 +78,8 @@ class Twin:
         browser.scheme("light")
         browser.go(self.address)
         browser.until(
-            "document.readyState === 'complete' && typeof live === 'object' && live.newest && live.health.status"
+            "document.readyState === 'complete' && typeof live === 'object' && live.newest && "
+            "live.health.status"
         )
         browser.frames()
 

@@ -461,7 +461,8 @@ def main():
             took = time.monotonic() - page_began
             verdict = f"{len(page.problems)} wrong" if page.problems else "as written"
             print(
-                f"{path.relative_to(ROOT)}: {page.commands} blocks of commands, {verdict}, {took:.1f} s",
+                f"{path.relative_to(ROOT)}: {page.commands} blocks of commands, {verdict}, "
+                f"{took:.1f} s",
                 flush=True,
             )
         problems += page.problems
@@ -471,7 +472,8 @@ def main():
     for problem in problems:
         print(problem, file=sys.stderr)
     print(
-        f"guide: {commands_run} blocks of commands run, {outputs} outputs compared, {documents} documents read, "
+        f"guide: {commands_run} blocks of commands run, {outputs} outputs compared, {documents} "
+        "documents read, "
         f"{len(problems)} wrong, {time.monotonic() - began:.0f} s"
     )
     return 1 if problems else 0

@@ -105,7 +105,8 @@ def main() -> int:
             for loaded in (False, True):
                 difference, count = largest_difference_nm(iiwasim, Path(folder), robot, loaded)
                 print(
-                    f"{robot}, {'with a load at the ceiling' if loaded else 'alone'}: {difference:.1e} Nm"
+                    f"{robot}, {'with a load at the ceiling' if loaded else 'alone'}: "
+                    f"{difference:.1e} Nm"
                 )
                 worst, states = max(worst, difference), states + count
     print(f"torques: {states} states, at most {worst:.1e} Nm off Pinocchio {pinocchio.__version__}")

@@ -26,7 +26,7 @@ pub(crate) struct Bernstein(pub(crate) [f64; COEFFICIENTS]);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Largest {
     pub(crate) value: f64,
-    pub(crate) at: f64,
+    pub(crate) parameter: f64,
 }
 
 impl Bernstein {
@@ -48,21 +48,21 @@ impl Bernstein {
             return None;
         }
         if !bound.is_finite() {
-            return Some(Largest { value: f64::INFINITY, at: 0.0 });
+            return Some(Largest { value: f64::INFINITY, parameter: 0.0 });
         }
-        let mut best = Largest { value: floor, at: f64::NAN };
+        let mut best = Largest { value: floor, parameter: f64::NAN };
         // A polynomial that is close to zero everywhere is not worth a search.
-        let rounding = PRECISION * self.0.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        let rounding = PRECISION * self.0.iter().fold(0.0_f64, |max, c| max.max(c.abs()));
         search(&self.0, key, [0.0, 1.0], rounding, &mut best);
-        best.at.is_finite().then_some(best)
+        best.parameter.is_finite().then_some(best)
     }
 }
 
 /// Returns the largest `key` of the coefficients; infinite if one is NaN.
 fn bound(coefficients: &[f64; COEFFICIENTS], key: impl Fn(f64) -> f64) -> f64 {
-    coefficients.iter().fold(f64::NEG_INFINITY, |most, &c| {
+    coefficients.iter().fold(f64::NEG_INFINITY, |max, &c| {
         let value = key(c);
-        if value.is_nan() { f64::INFINITY } else { most.max(value) }
+        if value.is_nan() { f64::INFINITY } else { max.max(value) }
     })
 }
 
@@ -73,9 +73,9 @@ fn search(
     rounding: f64,
     best: &mut Largest,
 ) {
-    for (at, value) in [(from, coefficients[0]), (from + width, coefficients[DEGREE])] {
+    for (end, value) in [(from, coefficients[0]), (from + width, coefficients[DEGREE])] {
         if key(value) > best.value {
-            *best = Largest { value: key(value), at };
+            *best = Largest { value: key(value), parameter: end };
         }
     }
     let enough = best.value + PRECISION * best.value.abs() + rounding;
@@ -203,19 +203,19 @@ mod tests {
     #[test]
     fn a_cubic_is_largest_where_its_derivative_says() {
         let cubic = Bernstein::from_powers(&[0.0, 6.75, -13.5, 6.75]);
-        let found = cubic.largest(f64::abs, 0.0).unwrap();
+        let actual = cubic.largest(f64::abs, 0.0).unwrap();
         assert!(
-            (found.value - 1.0).abs() < 1e-9 && (found.at - 1.0 / 3.0).abs() < 1e-4,
-            "{found:?}"
+            (actual.value - 1.0).abs() < 1e-9 && (actual.parameter - 1.0 / 3.0).abs() < 1e-4,
+            "{actual:?}"
         );
         assert!(cubic.largest(f64::abs, 1.1).is_none());
         let below = Bernstein::from_powers(&[0.0, -6.75, 13.5, -6.75]);
-        assert_eq!(below.largest(f64::abs, 0.0).unwrap().value, found.value);
+        assert_eq!(below.largest(f64::abs, 0.0).unwrap().value, actual.value);
         assert!(cubic.largest(|v| -v, 0.0).is_none());
     }
 
     #[test]
-    fn what_is_not_a_number_is_infinite() {
+    fn nan_counts_as_infinite() {
         let broken = Bernstein::from_powers(&[0.0, f64::NAN]);
         assert_eq!(broken.largest(f64::abs, 3.0).unwrap().value, f64::INFINITY);
     }
@@ -226,25 +226,25 @@ mod tests {
         let mut rng = fastrand::Rng::with_seed(1);
         for _ in 0..20 {
             let powers: [f64; COEFFICIENTS] = std::array::from_fn(|_| rng.f64() - 0.5);
-            let found = Bernstein::from_powers(&powers).largest(f64::abs, 0.0).unwrap();
+            let actual = Bernstein::from_powers(&powers).largest(f64::abs, 0.0).unwrap();
             let sampled = (0..=1_000_000)
                 .map(|i| value(&powers, f64::from(i) * 1e-6).abs())
                 .fold(0.0, f64::max);
-            assert!((found.value - sampled).abs() < 1e-9, "{found:?}, {sampled}");
-            assert!((value(&powers, found.at).abs() - found.value).abs() < 1e-12);
+            assert!((actual.value - sampled).abs() < 1e-9, "{actual:?}, {sampled}");
+            assert!((value(&powers, actual.parameter).abs() - actual.value).abs() < 1e-12);
         }
     }
 
     #[test]
     fn interpolation_finds_the_polynomial() {
         let powers = [0.3, -1.0, 2.0, 0.5, -3.0, 1.0, 0.7, -0.2, 0.4];
-        let at = |t: f64| -> Octet { std::array::from_fn(|j| j as f64 * value(&powers, t)) };
-        let values = INTERPOLATION.places.map(at);
+        let values_at = |t: f64| -> Octet { std::array::from_fn(|j| j as f64 * value(&powers, t)) };
+        let values = INTERPOLATION.places.map(values_at);
         assert_eq!([INTERPOLATION.places[0], INTERPOLATION.places[DEGREE]], [0.0, 1.0]);
         let expected = Bernstein::from_powers(&powers);
-        for (j, found) in INTERPOLATION.polynomials(&values).iter().enumerate() {
-            for (found, expected) in found.0.iter().zip(expected.0) {
-                assert!((found - j as f64 * expected).abs() < 1e-12, "{found}, {expected}");
+        for (j, actual) in INTERPOLATION.polynomials(&values).iter().enumerate() {
+            for (actual, expected) in actual.0.iter().zip(expected.0) {
+                assert!((actual - j as f64 * expected).abs() < 1e-12, "{actual}, {expected}");
             }
         }
         // t^8 shows in the tail, t^5 does not.

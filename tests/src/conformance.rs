@@ -43,13 +43,13 @@ impl fmt::Display for Report {
         for (need, count) in &self.skipped {
             write!(f, ", {count} skipped without {need}")?;
         }
-        self.failed.iter().take(MOST_SHOWN).try_for_each(|line| write!(f, "\n{line}"))?;
-        if self.failed.len() > MOST_SHOWN { f.write_str("\n...") } else { Ok(()) }
+        self.failed.iter().take(MAX_SHOWN).try_for_each(|line| write!(f, "\n{line}"))?;
+        if self.failed.len() > MAX_SHOWN { f.write_str("\n...") } else { Ok(()) }
     }
 }
 
 /// Maximum number of failures shown.
-const MOST_SHOWN: usize = 60;
+const MAX_SHOWN: usize = 60;
 
 /// Time limit for a program to become idle.
 const REST: Duration = Duration::from_secs(30);
@@ -103,19 +103,19 @@ fn run_file<P: DrivePeer>(
         }
         match session.run(case) {
             Ok(()) => report.passed += 1,
-            Err(what) => {
-                report.failed.push(format!("{file}:{}: {}: {what}", case.line, case.name));
+            Err(message) => {
+                report.failed.push(format!("{file}:{}: {}: {message}", case.line, case.name));
                 // Pending actions must not affect the next case.
                 session = Session::new(connect());
-                if let Err(what) = session.come_to_rest(REST) {
-                    report.failed.push(format!("{file}: the rest is left out: {what}"));
+                if let Err(message) = session.come_to_rest(REST) {
+                    report.failed.push(format!("{file}: the rest is left out: {message}"));
                     break;
                 }
             }
         }
     }
-    if let Err(what) = session.come_to_rest(REST) {
-        report.failed.push(format!("{file}: at its end: {what}"));
+    if let Err(message) = session.come_to_rest(REST) {
+        report.failed.push(format!("{file}: at its end: {message}"));
     }
     report
 }

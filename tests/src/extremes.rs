@@ -114,7 +114,7 @@ pub fn piece_extremes(
     }
     let mut search = Search {
         segment,
-        over,
+        inverse_limits: over,
         peaks: [&floor.clear, &floor.blurred]
             .map(|peaks| peaks.map(|Peak { ratio, .. }| Peak { ratio, ..Peak::default() })),
         backwards: floor.backwards,
@@ -150,7 +150,7 @@ const HALVINGS: u32 = 12;
 struct Search<'a> {
     segment: &'a dyn Segment,
     /// Reciprocals of the velocity, acceleration and jerk limits.
-    over: [Joints; 3],
+    inverse_limits: [Joints; 3],
     /// Clear and blurred peaks.
     peaks: [[Peak; 3]; 2],
     backwards: f64,
@@ -182,7 +182,7 @@ impl Search<'_> {
         let mut steepest = (0.0, None);
         for joint in Joint::ALL {
             let j = joint.index();
-            let share = dq[j].abs() * self.over[kind][j];
+            let share = dq[j].abs() * self.inverse_limits[kind][j];
             if share > steepest.0 {
                 steepest = (share, Some(joint));
             }
@@ -195,8 +195,8 @@ impl Search<'_> {
         for (kind, powers) in interval.line().iter().enumerate() {
             let (slope, joint) = self.steepest(kind, dq);
             let polynomial = Bernstein::from_powers(&powers.map(|c| slope * c));
-            if let Some(found) = polynomial.largest(f64::abs, self.floor(kind)) {
-                self.found(interval, kind, joint, found);
+            if let Some(largest) = polynomial.largest(f64::abs, self.floor(kind)) {
+                self.record_peak(interval, kind, joint, largest);
             }
         }
     }
@@ -207,9 +207,9 @@ impl Search<'_> {
         let mut largest = [1.0_f64; 3];
         for (k, place) in INTERPOLATION.places.iter().enumerate() {
             let t = from + width * place;
-            let rows = interval.functions(t, self.segment, &self.over);
+            let rows = interval.functions(t, self.segment, &self.inverse_limits);
             for (kind, row) in rows.into_iter().enumerate() {
-                largest[kind] = row.iter().fold(largest[kind], |most, v| most.max(v.abs()));
+                largest[kind] = row.iter().fold(largest[kind], |max, v| max.max(v.abs()));
                 values[kind][k] = row;
             }
         }
@@ -226,10 +226,11 @@ impl Search<'_> {
         for (kind, values) in values.iter().enumerate() {
             let polynomials = INTERPOLATION.polynomials(values);
             for (joint, polynomial) in Joint::ALL.into_iter().zip(&polynomials) {
-                if let Some(Largest { value, at }) = polynomial.largest(f64::abs, self.floor(kind))
+                if let Some(Largest { value, parameter }) =
+                    polynomial.largest(f64::abs, self.floor(kind))
                 {
-                    let found = Largest { value, at: from + width * at };
-                    self.found(interval, kind, Some(joint), found);
+                    let located = Largest { value, parameter: from + width * parameter };
+                    self.record_peak(interval, kind, Some(joint), located);
                 }
             }
         }
@@ -240,12 +241,18 @@ impl Search<'_> {
         self.peaks[usize::from(self.is_blurred)][kind].ratio
     }
 
-    fn found(&mut self, interval: &Interval, kind: usize, joint: Option<Joint>, found: Largest) {
+    fn record_peak(
+        &mut self,
+        interval: &Interval,
+        kind: usize,
+        joint: Option<Joint>,
+        largest: Largest,
+    ) {
         self.peaks[usize::from(self.is_blurred)][kind] = Peak {
-            ratio: found.value,
+            ratio: largest.value,
             joint,
-            p: interval.p(found.at),
-            share: found.at,
+            p: interval.p(largest.parameter),
+            share: largest.parameter,
             node: self.node,
             ..Peak::default()
         };
@@ -278,7 +285,7 @@ mod tests {
         let line = Line::new([0.0; 7], [0.0, -0.5, 0.0, 0.25, 0.0, 0.0, 0.0]);
         let mut search = Search {
             segment: &line,
-            over: [[2.0; 7], [0.5; 7], [4.0; 7]],
+            inverse_limits: [[2.0; 7], [0.5; 7], [4.0; 7]],
             peaks: [[Peak::default(); 3]; 2],
             backwards: 0.0,
             node: 0,
@@ -291,11 +298,11 @@ mod tests {
             (0.5 * 0.5 * 10.0 / root / 4.0, 0.5 * (1.0 - 1.0 / root)),
             (4.0 * 0.5 * 60.0 / 8.0, 0.0),
         ];
-        for (found, (ratio, share)) in search.peaks[0].iter().zip(expected) {
-            assert_eq!(found.joint, Some(Joint::A2));
-            assert!((found.ratio / ratio - 1.0).abs() < 1e-9, "{found:?}, {ratio}");
-            let mirrored = (found.share - share).abs().min((1.0 - found.share - share).abs());
-            assert!(mirrored < 1e-4, "{found:?}, {share}");
+        for (actual, (ratio, share)) in search.peaks[0].iter().zip(expected) {
+            assert_eq!(actual.joint, Some(Joint::A2));
+            assert!((actual.ratio / ratio - 1.0).abs() < 1e-9, "{actual:?}, {ratio}");
+            let mirrored = (actual.share - share).abs().min((1.0 - actual.share - share).abs());
+            assert!(mirrored < 1e-4, "{actual:?}, {share}");
         }
         assert_eq!(search.backwards, 0.0);
     }
@@ -303,11 +310,11 @@ mod tests {
     /// Tests a polynomial that overshoots: its mean speed exceeds 2/s, but the acceleration of
     /// 0.9/s^2 from and to rest is too small.
     #[test]
-    fn what_goes_backwards_is_seen() {
+    fn backward_motion_is_detected() {
         let line = Line::new([0.0; 7], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let mut search = Search {
             segment: &line,
-            over: [[1.0; 7]; 3],
+            inverse_limits: [[1.0; 7]; 3],
             peaks: [[Peak::default(); 3]; 2],
             backwards: 0.0,
             node: 0,
@@ -332,7 +339,7 @@ mod tests {
             let path = JointPath::new(&program, &Robot::default()).unwrap();
             for timing in [Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())] {
                 let trajectory = Trajectory::plan(&path, timing).unwrap();
-                let found = extremes(&trajectory, timing);
+                let actual = extremes(&trajectory, timing);
                 let mut sampled = [0.0_f64; 3];
                 for section in trajectory.sections() {
                     for piece in section.pieces() {
@@ -343,9 +350,9 @@ mod tests {
                             for i in 0..SAMPLES {
                                 let share = (f64::from(i) + 0.5) / f64::from(SAMPLES);
                                 let t_s = section.start_s() + pair[0].t_s + share * dt;
-                                let at = section.at(t_s);
+                                let state = section.at(t_s);
                                 for j in 0..7 {
-                                    let values = [at.dq[j], at.ddq[j], at.dddq[j]];
+                                    let values = [state.dq[j], state.ddq[j], state.dddq[j]];
                                     for (i, kind) in LimitKind::ALL.into_iter().enumerate() {
                                         let ratio = values[i].abs() / limits.of(kind)[j];
                                         sampled[i] = sampled[i].max(ratio);
@@ -357,17 +364,20 @@ mod tests {
                 }
                 let kinds = if matches!(timing, Timing::Jerk(_)) { 3 } else { 2 };
                 for kind in 0..kinds {
-                    let [found, sampled] = [found.ratios()[kind], sampled[kind]];
-                    let what = LimitKind::ALL[kind];
+                    let [actual, sampled] = [actual.ratios()[kind], sampled[kind]];
+                    let kind_name = LimitKind::ALL[kind];
                     assert!(
-                        sampled <= found * (1.0 + 1e-7),
-                        "{what} {found}, {sampled} by samples"
+                        sampled <= actual * (1.0 + 1e-7),
+                        "{kind_name} {actual}, {sampled} by samples"
                     );
                     // Half a sample from the end of an interval, jerk differs by as much as it
                     // changes.
-                    assert!(found <= sampled * 1.005, "{what} {found}, {sampled} by samples");
+                    assert!(
+                        actual <= sampled * 1.005,
+                        "{kind_name} {actual}, {sampled} by samples"
+                    );
                 }
-                assert!(found.jumps.iter().all(|jump| *jump < 1e-6), "{:?}", found.jumps);
+                assert!(actual.jumps.iter().all(|jump| *jump < 1e-6), "{:?}", actual.jumps);
             }
         }
     }
@@ -383,21 +393,25 @@ mod tests {
             for section in trajectory.sections() {
                 for piece in section.pieces().iter().filter(|piece| piece.kind.moves()) {
                     let limits = path.limits_of(piece.step);
-                    let found =
+                    let actual =
                         piece_extremes(&trajectory, section, piece, timing, &Extremes::default());
-                    let [velocity, acceleration, _] = found.peaks();
-                    let at = section.at(velocity.t_s);
+                    let [velocity, acceleration, _] = actual.peaks();
+                    let state = section.at(velocity.t_s);
                     let j = velocity.joint.unwrap().index();
-                    let there = at.dq[j].abs() / limits.velocity_rad_s()[j];
-                    assert!((there / velocity.ratio - 1.0).abs() < 1e-6, "{velocity:?}, {there}");
+                    let velocity_ratio = state.dq[j].abs() / limits.velocity_rad_s()[j];
+                    assert!(
+                        (velocity_ratio / velocity.ratio - 1.0).abs() < 1e-6,
+                        "{velocity:?}, {velocity_ratio}"
+                    );
                     // With acceleration-limited stamps the acceleration jumps, and may be that of
                     // the next interval.
                     if matches!(timing, Timing::Jerk(_)) {
-                        let at = section.at(acceleration.t_s);
+                        let state = section.at(acceleration.t_s);
                         let j = acceleration.joint.unwrap().index();
-                        let there = at.ddq[j].abs() / limits.acceleration_rad_s2()[j];
-                        let off = (there / acceleration.ratio - 1.0).abs();
-                        assert!(off < 1e-6, "{acceleration:?}, {there}");
+                        let acceleration_ratio =
+                            state.ddq[j].abs() / limits.acceleration_rad_s2()[j];
+                        let off = (acceleration_ratio / acceleration.ratio - 1.0).abs();
+                        assert!(off < 1e-6, "{acceleration:?}, {acceleration_ratio}");
                     }
                 }
             }

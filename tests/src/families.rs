@@ -126,15 +126,15 @@ mod tests {
 
     /// Checks that each family has its defining property.
     #[test]
-    fn families_are_what_they_say() {
+    fn families_have_their_stated_properties() {
         let ptps = |family: Family| {
             let programs = (0..50).map(move |index| family.program(1, index).program);
             programs.flat_map(|program| {
-                let mut at = *program.start.joints_rad().unwrap();
+                let mut position = *program.start.joints_rad().unwrap();
                 let moves = program.motions.into_iter().filter_map(move |motion| match motion {
                     Motion::Ptp(ptp) => {
-                        let way = iiwa_kin::vector::sub(&ptp.target_rad, &at);
-                        at = ptp.target_rad;
+                        let way = iiwa_kin::vector::sub(&ptp.target_rad, &position);
+                        position = ptp.target_rad;
                         Some((iiwa_kin::vector::norm(&way), ptp))
                     }
                     _ => None,

@@ -21,7 +21,7 @@ pub struct LoadedProgram {
 }
 
 /// Rated payload of an iiwa 7 and an iiwa 14, in kg.
-const MOST_KG: [f64; 2] = [7.0, 14.0];
+const MAX_KG: [f64; 2] = [7.0, 14.0];
 
 /// Torque limits relative to the robot's.
 const LIMITS: [f64; 4] = [1.0, 1.0, 0.8, 0.6];
@@ -40,7 +40,7 @@ pub fn loaded_program(seed: u64, index: u64) -> LoadedProgram {
         (robots[dice.count(0, 1)].clone(), family.program(seed, index).program)
     };
     let is_large = robot.limits().torque_nm == robots[1].limits().torque_nm;
-    let mass_kg = dice.between(0.0, MOST_KG[usize::from(is_large)]);
+    let mass_kg = dice.between(0.0, MAX_KG[usize::from(is_large)]);
     // A ball of 150 mm.
     let inertia_kg_m2 = [0.4 * mass_kg * 0.15 * 0.15; 3];
     let center_mm =

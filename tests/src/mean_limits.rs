@@ -38,11 +38,12 @@ pub fn mean_ratios(trajectory: &Trajectory, window_s: f64) -> [f64; 3] {
             for pair in section.nodes(piece).windows(2) {
                 let [from, to] = [pair[0].t_s, pair[1].t_s].map(|t_s| section.start_s() + t_s);
                 for t_s in [from, f64::midpoint(from, to)] {
-                    let at = |t_s: f64| trajectory.at(t_s.max(0.0).min(end_s));
-                    let [before, here, after] = [at(t_s - window_s), at(t_s), at(t_s + window_s)];
-                    window(&before, &here);
-                    window(&here, &after);
-                    window(&at(t_s - 0.5 * window_s), &at(t_s + 0.5 * window_s));
+                    let state_at = |t_s: f64| trajectory.at(t_s.max(0.0).min(end_s));
+                    let [before, center, after] =
+                        [state_at(t_s - window_s), state_at(t_s), state_at(t_s + window_s)];
+                    window(&before, &center);
+                    window(&center, &after);
+                    window(&state_at(t_s - 0.5 * window_s), &state_at(t_s + 0.5 * window_s));
                 }
             }
         }

@@ -61,11 +61,11 @@ impl PlanCheck {
         verdict.planning = start.elapsed();
         if let Some(jerk) = &jerk {
             let start = Instant::now();
-            let found = extremes(jerk, Timing::jerk_limited());
+            let actual = extremes(jerk, Timing::jerk_limited());
             verdict.judging = start.elapsed();
-            verdict.instants = found.ratios();
-            verdict.clear = found.clear.map(|peak| peak.ratio);
-            verdict.judge(&found, jerk, Timing::jerk_limited());
+            verdict.instants = actual.ratios();
+            verdict.clear = actual.clear.map(|peak| peak.ratio);
+            verdict.judge(&actual, jerk, Timing::jerk_limited());
             verdict.means = mean_ratios(jerk, CYCLE_S);
         }
         if let Some(sunrise) = verdict.plan(&path, Timing::default()) {
@@ -73,10 +73,10 @@ impl PlanCheck {
         }
         let timing = Timing::Acceleration(SweepOptions::default());
         let Some(swept) = verdict.plan(&path, timing) else { return verdict };
-        let found = extremes(&swept, timing);
-        let [velocity, acceleration, _] = found.ratios();
+        let actual = extremes(&swept, timing);
+        let [velocity, acceleration, _] = actual.ratios();
         verdict.swept = [velocity, acceleration];
-        verdict.judge(&found, &swept, timing);
+        verdict.judge(&actual, &swept, timing);
         if let Some(jerk) = &jerk {
             let [jerk_s, swept_s] = [jerk, &swept].map(Trajectory::motion_time_s);
             verdict.slower = ratio(jerk_s, swept_s);
@@ -103,23 +103,24 @@ impl PlanCheck {
         match planned {
             Ok(Ok(trajectory)) => return Some(trajectory),
             Ok(Err(error)) => {
-                let what = error.to_string();
-                let what = what.split_once(": ").map_or(what.as_str(), |(_, what)| what);
-                self.refusals.push(format!("{}: {what}", timing.name()));
+                let message = error.to_string();
+                let message =
+                    message.split_once(": ").map_or(message.as_str(), |(_, detail)| detail);
+                self.refusals.push(format!("{}: {message}", timing.name()));
             }
             Err(_) => self.failures.push(format!("{}: a panic", timing.name())),
         }
         None
     }
 
-    fn judge(&mut self, found: &Extremes, trajectory: &Trajectory, timing: Timing) {
+    fn judge(&mut self, extremes: &Extremes, trajectory: &Trajectory, timing: Timing) {
         let name = timing.name();
-        let mut fail = |what: &str| self.failures.push(format!("{name}: {what}"));
+        let mut fail = |message: &str| self.failures.push(format!("{name}: {message}"));
         let allowed = match timing {
             Timing::Jerk(_) => RATIOS,
             _ => [SWEPT_RATIOS[0], SWEPT_RATIOS[1], f64::INFINITY],
         };
-        for (peaks, when) in [(found.clear, ""), (found.blurred, " where rounding shows")] {
+        for (peaks, when) in [(extremes.clear, ""), (extremes.blurred, " where rounding shows")] {
             for ((kind, peak), allowed) in LimitKind::ALL.into_iter().zip(peaks).zip(allowed) {
                 if peak.ratio > allowed {
                     let far = if peak.ratio > FAR { " by far" } else { "" };
@@ -127,12 +128,12 @@ impl PlanCheck {
                 }
             }
         }
-        for (kind, jump) in LimitKind::ALL.into_iter().zip(found.jumps) {
+        for (kind, jump) in LimitKind::ALL.into_iter().zip(extremes.jumps) {
             if jump > JUMP {
                 fail(&format!("{kind} jumps"));
             }
         }
-        if found.backwards > JUMP {
+        if extremes.backwards > JUMP {
             fail("goes backwards");
         }
         let mut last_s = f64::NEG_INFINITY;

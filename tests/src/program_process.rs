@@ -103,10 +103,10 @@ impl ProgramProcess {
     /// Ends the program; returns true if it ended by itself.
     #[must_use]
     pub fn end(mut self) -> bool {
-        self.ends()
+        self.has_ended()
     }
 
-    fn ends(&mut self) -> bool {
+    fn has_ended(&mut self) -> bool {
         self.stdin = None;
         let since = Instant::now();
         while since.elapsed() < END {
@@ -124,7 +124,7 @@ impl ProgramProcess {
 
 impl Drop for ProgramProcess {
     fn drop(&mut self) {
-        if self.stdin.is_some() && !self.ends() {
+        if self.stdin.is_some() && !self.has_ended() {
             println!("the robot program did not end within {END:?} and was killed");
         }
     }
@@ -132,10 +132,10 @@ impl Drop for ProgramProcess {
 
 /// Prints the first lines of its standard error: a thread that fails repeatedly would fill a disk.
 fn show_errors(stderr: impl Read + Send + 'static) {
-    const MOST: usize = 40;
+    const MAX_LINES: usize = 40;
     thread::spawn(move || {
         let lines = BufReader::new(stderr).lines().map_while(Result::ok);
-        for line in lines.enumerate().filter_map(|(i, line)| (i < MOST).then_some(line)) {
+        for line in lines.enumerate().filter_map(|(i, line)| (i < MAX_LINES).then_some(line)) {
             println!("robot program: {line}");
         }
     });

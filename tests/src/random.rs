@@ -96,46 +96,48 @@ fn draft() -> impl Strategy<Value = Draft> {
     ]
 }
 
-/// Programs of up to `most` motions for the LBR iiwa 7 that [`JointPath::new`] accepts.
-pub fn programs(most: usize) -> impl Strategy<Value = Program> {
-    drafts(most).prop_filter("a blend swings out of the limits", |program| {
+/// Programs of up to `max_motions` motions for the LBR iiwa 7 that [`JointPath::new`] accepts.
+pub fn programs(max_motions: usize) -> impl Strategy<Value = Program> {
+    drafts(max_motions).prop_filter("a blend swings out of the limits", |program| {
         JointPath::new(program, &Robot::default()).is_ok()
     })
 }
 
-/// Programs of up to `most` motions, including those whose blends leave the joint ranges.
-pub fn drafts(most: usize) -> impl Strategy<Value = Program> {
-    (prop::array::uniform7(-1.2..1.2_f64), prop::collection::vec(draft(), 1..=most))
+/// Programs of up to `max_motions` motions, including those whose blends leave the joint ranges.
+pub fn drafts(max_motions: usize) -> impl Strategy<Value = Program> {
+    (prop::array::uniform7(-1.2..1.2_f64), prop::collection::vec(draft(), 1..=max_motions))
         .prop_map(|(start_rad, drafts)| program(start_rad, &drafts))
 }
 
 fn program(start_rad: Joints, drafts: &[Draft]) -> Program {
     let limits = Robot::default().limits().upper_rad;
     let inside = |q: Joints| std::array::from_fn(|j| q[j].clamp(-limits[j], limits[j]));
-    let (mut before, mut at) = (start_rad, start_rad);
+    let (mut before, mut position) = (start_rad, start_rad);
     let mut motions: Vec<_> = drafts
         .iter()
         .map(|draft| {
             let (target, shares, blend) = match *draft {
                 Draft::Wait(seconds) => return Motion::Wait { seconds, overlap: 0 },
                 Draft::Go { step, shares, blend } => {
-                    (std::array::from_fn(|j| at[j] + step[j]), shares, blend)
+                    (std::array::from_fn(|j| position[j] + step[j]), shares, blend)
                 }
                 Draft::Back { velocity, blend } => {
                     (before, Shares { velocity: [velocity; 7], ..FULL }, blend)
                 }
-                Draft::On { by, blend } => {
-                    (std::array::from_fn(|j| at[j] + by * (at[j] - before[j])), FULL, blend)
-                }
+                Draft::On { by, blend } => (
+                    std::array::from_fn(|j| position[j] + by * (position[j] - before[j])),
+                    FULL,
+                    blend,
+                ),
             };
-            before = at;
-            at = inside(target);
+            before = position;
+            position = inside(target);
             Motion::Ptp(Ptp {
                 velocity_rel: shares.velocity,
                 acceleration_rel: shares.acceleration,
                 jerk_rel: shares.jerk,
                 blend,
-                ..Ptp::to(at)
+                ..Ptp::to(position)
             })
         })
         .collect();

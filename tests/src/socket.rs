@@ -55,9 +55,9 @@ mod tests {
 
     #[test]
     fn requests_are_routed_and_answered() {
-        let at = address();
-        let clients = [(), ()].map(|()| Socket::connect(SocketType::Req, &at).unwrap());
-        let server = Socket::bind(SocketType::Router, &at).unwrap();
+        let address = address();
+        let clients = [(), ()].map(|()| Socket::connect(SocketType::Req, &address).unwrap());
+        let server = Socket::bind(SocketType::Router, &address).unwrap();
         for client in &clients {
             client.send(&["question", "more"]).unwrap();
         }
@@ -76,28 +76,30 @@ mod tests {
 
     #[test]
     fn a_lost_connection_is_replaced() {
-        let at = address();
-        let server = Socket::bind(SocketType::Dealer, &at).unwrap();
+        let address = address();
+        let server = Socket::bind(SocketType::Dealer, &address).unwrap();
         assert!(!server.try_send(&["nobody is there"]));
-        let client = Socket::connect(SocketType::Dealer, &at).unwrap();
+        let client = Socket::connect(SocketType::Dealer, &address).unwrap();
         server.send(&["first"]).unwrap();
         assert_eq!(texts(&client.receive(LONG).unwrap()), ["first"]);
         drop(server);
-        let server = Socket::bind(SocketType::Dealer, &at).unwrap();
+        let server = Socket::bind(SocketType::Dealer, &address).unwrap();
         server.send(&["second", ""]).unwrap();
         assert_eq!(texts(&client.receive(LONG).unwrap()), ["second", ""]);
         // The peer may also be replaced.
         drop(client);
-        let client = Socket::connect(SocketType::Dealer, &at).unwrap();
+        let client = Socket::connect(SocketType::Dealer, &address).unwrap();
         client.send(&[vec![7; 300_000]]).unwrap();
         assert_eq!(server.receive(LONG).unwrap(), [vec![7; 300_000]]);
     }
 
     #[test]
     fn of_two_sockets_the_one_with_a_message_is_received_from() {
-        let [at, beside] = [address(), address()];
-        let servers = [&at, &beside].map(|at| Socket::bind(SocketType::Dealer, at).unwrap());
-        let clients = [&at, &beside].map(|at| Socket::connect(SocketType::Dealer, at).unwrap());
+        let [first, beside] = [address(), address()];
+        let servers =
+            [&first, &beside].map(|address| Socket::bind(SocketType::Dealer, address).unwrap());
+        let clients =
+            [&first, &beside].map(|address| Socket::connect(SocketType::Dealer, address).unwrap());
         assert_eq!(receive_any(&[&clients[0], &clients[1]], Duration::from_millis(20)), None);
         for place in [1, 0, 1] {
             servers[place].send(&["it"]).unwrap();
@@ -108,8 +110,8 @@ mod tests {
 
     #[test]
     fn an_address_in_use_cannot_be_bound() {
-        let at = address();
-        let _bound = Socket::bind(SocketType::Router, &at).unwrap();
-        assert!(Socket::bind(SocketType::Router, &at).is_err());
+        let address = address();
+        let _bound = Socket::bind(SocketType::Router, &address).unwrap();
+        assert!(Socket::bind(SocketType::Router, &address).is_err());
     }
 }

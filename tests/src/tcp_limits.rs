@@ -12,7 +12,7 @@ const SLOW: f64 = 5e-3;
 /// Returns the TCP of the motion at an instant, in the flange frame.
 fn tcp(program: &Program, state: &State) -> Pose {
     match &program.motions[state.motion.index()] {
-        Motion::Cartesian(own) => program.workcell.tcp(own.tool.as_deref()),
+        Motion::Cartesian(cartesian) => program.workcell.tcp(cartesian.tool.as_deref()),
         _ => program.workcell.tcp(None),
     }
     .unwrap_or(Pose::IDENTITY)
@@ -114,11 +114,11 @@ pub fn tcp_difference_ratios(
     let mut worst = [[0.0_f64; 2]; 2];
     for states in all.windows(3) {
         // Adjacent motions may have other TCPs: such differences are skipped.
-        let own = tcp(program, &states[0]);
-        if states.iter().any(|state| tcp(program, state) != own) {
+        let start_tcp = tcp(program, &states[0]);
+        if states.iter().any(|state| tcp(program, state) != start_tcp) {
             continue;
         }
-        let poses = [0, 1, 2].map(|i| pose(&states[i], &own));
+        let poses = [0, 1, 2].map(|i| pose(&states[i], &start_tcp));
         let steps = [0, 1].map(|i| {
             let [a, b] = [&poses[i], &poses[i + 1]];
             [

@@ -37,7 +37,7 @@ const GRIPPER: &str = "gripper";
 const TIP: &str = "gripper/tip";
 
 /// Maximum number of motions of a program.
-const MOST_MOTIONS: usize = 8;
+const MAX_MOTIONS: usize = 8;
 
 /// Returns program number `index` of a `seed`.
 #[must_use]
@@ -112,7 +112,7 @@ fn clear_pose(dice: &mut Dice) -> Joints {
 }
 
 fn frame(dice: &mut Dice, most_mm: f64, most_rad: f64) -> Frame {
-    let mut three = |most: f64| std::array::from_fn(|_| dice.between(-most, most));
+    let mut three = |reach: f64| std::array::from_fn(|_| dice.between(-reach, reach));
     Frame { xyz_mm: three(most_mm), abc_rad: three(most_rad) }
 }
 
@@ -141,7 +141,7 @@ fn program(dice: &mut Dice, start_rad: Joints) -> Program {
 fn draw(dice: &mut Dice, robot: &Robot, refused: &mut BTreeMap<&'static str, usize>) -> Program {
     let mut at_rad = clear_pose(dice);
     let mut program = program(dice, at_rad);
-    let count = dice.count(1, MOST_MOTIONS);
+    let count = dice.count(1, MAX_MOTIONS);
     while program.motions.len() < count {
         if dice.percent(3) {
             program.motions.push(Motion::Wait { seconds: dice.between(0.0, 0.5), overlap: 0 });
@@ -168,10 +168,10 @@ fn draw(dice: &mut Dice, robot: &Robot, refused: &mut BTreeMap<&'static str, usi
         if goes_on && dice.percent(75) {
             match &mut program.motions[i] {
                 Motion::Ptp(ptp) => ptp.blend = Some(joint_blend(dice)),
-                Motion::Cartesian(own) if own.is_ptp() => {
-                    own.blend = Some(joint_blend(dice).into());
+                Motion::Cartesian(cartesian) if cartesian.is_ptp() => {
+                    cartesian.blend = Some(joint_blend(dice).into());
                 }
-                Motion::Cartesian(own) => own.blend = Some(path_blend(dice)),
+                Motion::Cartesian(cartesian) => cartesian.blend = Some(path_blend(dice)),
                 Motion::Wait { .. } | Motion::Load(_) => {}
             }
         }
@@ -208,8 +208,8 @@ fn path_blend(dice: &mut Dice) -> PathBlend {
 fn tool_limits(dice: &mut Dice) -> ToolLimits {
     let mut any =
         |percent: u8, ranges: [[f64; 2]; 3]| {
-            let limits = ranges.map(|[least, most]| {
-                if dice.percent(percent) { dice.log(least, most) } else { f64::INFINITY }
+            let limits = ranges.map(|[lower, upper]| {
+                if dice.percent(percent) { dice.log(lower, upper) } else { f64::INFINITY }
             });
             ByKind::from_array(limits)
         };
@@ -356,8 +356,8 @@ impl Way<'_> {
     fn null_space(&self, dice: &mut Dice) -> CartesianMotion {
         let path = Self::path(dice);
         let by = self.size * dice.between(-1.0, 1.0);
-        let here = self.at(&path, &self.tcp(&path, &self.from_rad));
-        let to = Target { e1_rad: Some(self.from_rad[2] + by), ..here };
+        let start = self.at(&path, &self.tcp(&path, &self.from_rad));
+        let to = Target { e1_rad: Some(self.from_rad[2] + by), ..start };
         CartesianMotion { course: Course::Lin { to: TargetRef::Given(to) }, ..path }
     }
 

@@ -33,8 +33,8 @@ impl Peer {
     /// # Errors
     ///
     /// An error if the connection is not accepted within `timeout`.
-    pub fn silent(at: SocketAddr, timeout: Duration) -> io::Result<Self> {
-        Ok(Self { stream: TcpStream::connect_timeout(&at, timeout)? })
+    pub fn silent(address: SocketAddr, timeout: Duration) -> io::Result<Self> {
+        Ok(Self { stream: TcpStream::connect_timeout(&address, timeout)? })
     }
 
     /// Connects as a socket of a kind (`REQ`, `DEALER`, `SUB` ...).
@@ -42,8 +42,8 @@ impl Peer {
     /// # Errors
     ///
     /// See [`silent`](Self::silent) and [`shake_hands`](Self::shake_hands).
-    pub fn connect(at: SocketAddr, kind: &str, timeout: Duration) -> io::Result<Self> {
-        Self::shake_hands(Self::silent(at, timeout)?.stream, kind, timeout)
+    pub fn connect(address: SocketAddr, kind: &str, timeout: Duration) -> io::Result<Self> {
+        Self::shake_hands(Self::silent(address, timeout)?.stream, kind, timeout)
     }
 
     /// Performs the handshake, on either side. Later writes have the same time-out.
@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn two_peers_exchange_messages_of_any_length() {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-        let at = listener.local_addr().unwrap();
+        let address = listener.local_addr().unwrap();
         let long = vec![7; 300_000];
         std::thread::scope(|scope| {
             scope.spawn(|| {
@@ -229,7 +229,7 @@ mod tests {
                 let (flags, pong) = server.frame(Instant::now() + HANDSHAKE_TIMEOUT).unwrap();
                 assert_eq!((flags, pong.as_slice()), (COMMAND, b"\x04PONGcontext".as_slice()));
             });
-            let mut client = Peer::connect(at, "REQ", HANDSHAKE_TIMEOUT).unwrap();
+            let mut client = Peer::connect(address, "REQ", HANDSHAKE_TIMEOUT).unwrap();
             client.send(&[b"", &long]).unwrap();
             let frames = client.receive(HANDSHAKE_TIMEOUT).unwrap();
             assert_eq!(frames, [b"".to_vec(), long.clone(), b"end".to_vec()]);

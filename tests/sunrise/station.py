@@ -163,7 +163,8 @@ class Station:
                 )
                 kind = f"java.lang.{entry.kind}"
                 lines.append(
-                    f'    <processData dataType="{kind}" defaultValue="{entry.default}" id="{name}"{given}/>'
+                    f'    <processData dataType="{kind}" defaultValue="{entry.default}" '
+                    f'id="{name}"{given}/>'
                 )
             lines.append("  </processDataContainer>")
         return "\n".join([*lines, "</RoboticsAPIData>", ""])
@@ -191,12 +192,14 @@ class Station:
         }
         return [
             "<additionalInformation>",
-            f'  <info base="World" device="{ROBOT}" tcpName="{tcp}" type="{PACKAGE}.persistenceModel.TeachInformation">',
+            f'  <info base="World" device="{ROBOT}" tcpName="{tcp}" '
+            f'type="{PACKAGE}.persistenceModel.TeachInformation">',
             f"    {pose_line(self.tcp(frame.tcp), 'tcpTransformation')}",
             "  </info>",
             "</additionalInformation>",
             "<redundancyData>",
-            f'  <redundancy transformationProviderName="Cabinet/{ROBOT}" type="{kind}.LBRE1Redundancy">',
+            f'  <redundancy transformationProviderName="Cabinet/{ROBOT}" '
+            f'type="{kind}.LBRE1Redundancy">',
             *[
                 f'    <info type="{kind}.{name}" value="{value}"/>'
                 for name, value in values.items()

@@ -41,15 +41,16 @@ fn joints_and_their_derivatives() {
         };
         let [dq_scale, ddq_scale] = ["dq", "ddq"].map(largest);
         for point in points {
-            let at = segment.at(point["s"].as_f64().unwrap());
-            let what = format!("{} at {}", case.id, point["s"]);
-            assert!(difference(&at.q, &numbers(&point["q_rad"])) < 1e-8, "{what}: q");
-            let flange_m = case.robot.flange_pose(&at.q).position_m;
-            assert!(difference(&flange_m, &numbers(&point["flange_m"])) < 1e-9, "{what}: flange");
+            let point_state = segment.at(point["s"].as_f64().unwrap());
+            let label = format!("{} at {}", case.id, point["s"]);
+            assert!(difference(&point_state.q, &numbers(&point["q_rad"])) < 1e-8, "{label}: q");
+            let flange_m = case.robot.flange_pose(&point_state.q).position_m;
+            assert!(difference(&flange_m, &numbers(&point["flange_m"])) < 1e-9, "{label}: flange");
             let [dq, ddq] = ["dq", "ddq"].map(|key| numbers::<7>(&point[key]));
-            let (off, off2) = (difference(&at.dq, &dq), difference(&at.ddq, &ddq));
-            assert!(off < 1e-6 * dq_scale, "{what}: q' by {off:e} of {dq_scale}");
-            assert!(off2 < 1e-6 * ddq_scale, "{what}: q'' by {off2:e} of {ddq_scale}");
+            let (off, off2) =
+                (difference(&point_state.dq, &dq), difference(&point_state.ddq, &ddq));
+            assert!(off < 1e-6 * dq_scale, "{label}: q' by {off:e} of {dq_scale}");
+            assert!(off2 < 1e-6 * ddq_scale, "{label}: q'' by {off2:e} of {ddq_scale}");
         }
     }
 }
@@ -63,13 +64,13 @@ fn durations_are_those_of_an_independent_solver() {
     for case in cartesian_cases() {
         let path = path(&case);
         let id = &case.id;
-        let most = if id.contains("near") { 0.005 } else { 0.003 };
+        let tolerance = if id.contains("near") { 0.005 } else { 0.003 };
         for (key, timing) in timings {
             let plan = Trajectory::plan(&path, timing).unwrap();
             let answer = case.entry["motion_s"][key].as_f64().unwrap();
             let off = plan.motion_time_s() / answer - 1.0;
             println!("{id} {key}: {answer:.5} s, {:+.4} %", 100.0 * off);
-            assert!((-0.0005..most).contains(&off), "{id} by {key}: {:+.3} %", 100.0 * off);
+            assert!((-0.0005..tolerance).contains(&off), "{id} by {key}: {:+.3} %", 100.0 * off);
         }
     }
 }

@@ -24,7 +24,7 @@ const SHAPES: [BlendShape; 6] = [
 ];
 
 /// Returns joint `joint` (from 1) at `deg`, the others at zero.
-fn only(joint: usize, deg: f64) -> Joints {
+fn single_joint(joint: usize, deg: f64) -> Joints {
     std::array::from_fn(|j| if j + 1 == joint { deg.to_radians() } else { 0.0 })
 }
 
@@ -79,8 +79,8 @@ fn check_jerk(trajectory: &Trajectory, acceleration: &Trajectory) {
     let end = trajectory.at(f64::INFINITY);
     assert_eq!(end.q, acceleration.at(f64::INFINITY).q);
     assert_eq!([end.dq, end.ddq], [[0.0; 7]; 2]);
-    let [found, least] = [trajectory, acceleration].map(Trajectory::motion_time_s);
-    assert!(found >= least, "{found} s, {least} s without limits of jerk");
+    let [actual, lower] = [trajectory, acceleration].map(Trajectory::motion_time_s);
+    assert!(actual >= lower, "{actual} s, {lower} s without limits of jerk");
 }
 
 /// Returns the duration of a program with `motions`, in s, without settle time.
@@ -114,8 +114,13 @@ fn check(trajectory: &Trajectory) {
             let dq = (state.q[j] - last.q[j]).abs();
             assert!(dq <= 1.01 * robot.velocity_rad_s[j] * DT + 1e-12, "a jump at {} s", state.t_s);
             let dv = (state.dq[j] - last.dq[j]).abs();
-            let most = 1.01 * robot.acceleration_rad_s2[j] * DT + 1e-9;
-            assert!(dv <= most, "a jerk of joint {} at {} s: {dv} > {most}", j + 1, state.t_s);
+            let tolerance = 1.01 * robot.acceleration_rad_s2[j] * DT + 1e-9;
+            assert!(
+                dv <= tolerance,
+                "a jerk of joint {} at {} s: {dv} > {tolerance}",
+                j + 1,
+                state.t_s
+            );
         }
         last = state;
     }
@@ -135,8 +140,8 @@ fn trapezoid(distance: f64, v: f64, a: f64) -> f64 {
     if distance > v * v / a { distance / v + v / a } else { 2.0 * (distance / a).sqrt() }
 }
 
-fn same(found: f64, expected: f64, tolerance: f64) {
-    assert!((found / expected - 1.0).abs() < tolerance, "{found} s, expected {expected} s");
+fn assert_close(actual: f64, expected: f64, tolerance: f64) {
+    assert!((actual / expected - 1.0).abs() < tolerance, "{actual} s, expected {expected} s");
 }
 
 /// Speed and acceleration limits of joint 1, in deg (Larsen 2019, Table 2).
@@ -151,13 +156,14 @@ fn one_joint_alone() {
         let (v, a) = (limits.velocity_rad_s[joint - 1], limits.acceleration_rad_s2[joint - 1]);
         for deg in [100.0, 50.0, 19.6, 5.0, 0.01] {
             for share in [1.0, 0.3, 0.01] {
-                let found = motion_time_s([0.0; 7], &[Ptp::to(only(joint, deg)).velocity(share)]);
-                same(found, trapezoid(f64::to_radians(deg), share * v, a), 1e-9);
+                let actual_s =
+                    motion_time_s([0.0; 7], &[Ptp::to(single_joint(joint, deg)).velocity(share)]);
+                assert_close(actual_s, trapezoid(f64::to_radians(deg), share * v, a), 1e-9);
             }
         }
     }
-    let there_and_back = [Ptp::to(only(1, 40.0)), Ptp::to(only(1, 0.0))];
-    same(motion_time_s([0.0; 7], &there_and_back), 2.0 * trapezoid(40.0, V1, A1), 1e-9);
+    let there_and_back = [Ptp::to(single_joint(1, 40.0)), Ptp::to(single_joint(1, 0.0))];
+    assert_close(motion_time_s([0.0; 7], &there_and_back), 2.0 * trapezoid(40.0, V1, A1), 1e-9);
 }
 
 /// All joints move in proportion on a line: the slowest joint is critical, separately for speed and
@@ -167,24 +173,24 @@ fn all_joints_on_one_line() {
     let to = [0.9, -0.8, 0.7, -0.6, 0.5, -0.4, 0.3];
     let limits = Robot::lbr_iiwa_7_r800();
     let limits = limits.limits();
-    let least =
+    let lower_s =
         |limit: &Joints| (0..7).map(|j| limit[j] / f64::abs(to[j])).fold(f64::MAX, f64::min);
-    let (v, a) = (least(&limits.velocity_rad_s), least(&limits.acceleration_rad_s2));
-    same(motion_time_s([0.0; 7], &[Ptp::to(to)]), trapezoid(1.0, v, a), 1e-9);
+    let (v, a) = (lower_s(&limits.velocity_rad_s), lower_s(&limits.acceleration_rad_s2));
+    assert_close(motion_time_s([0.0; 7], &[Ptp::to(to)]), trapezoid(1.0, v, a), 1e-9);
 }
 
 #[test]
 fn a_share_for_each_joint() {
-    let mut ptp = Ptp::to(only(1, 60.0));
+    let mut ptp = Ptp::to(single_joint(1, 60.0));
     ptp.velocity_rel = [0.5, 0.01, 0.01, 0.01, 0.01, 0.01, 0.01];
     ptp.acceleration_rel = [0.25, 0.01, 0.01, 0.01, 0.01, 0.01, 0.01];
-    same(motion_time_s([0.0; 7], &[ptp]), trapezoid(60.0, 0.5 * V1, 0.25 * A1), 1e-9);
+    assert_close(motion_time_s([0.0; 7], &[ptp]), trapezoid(60.0, 0.5 * V1, 0.25 * A1), 1e-9);
 
     // Joint 3 (100 deg/s, 500 deg/s^2) would need less time than joint 1, and is slowed down.
-    let both = std::array::from_fn(|j| only(1, 60.0)[j] + only(3, 40.0)[j]);
+    let both = std::array::from_fn(|j| single_joint(1, 60.0)[j] + single_joint(3, 40.0)[j]);
     let mut ptp = Ptp::to(both);
     ptp.velocity_rel[2] = 0.2;
-    same(motion_time_s([0.0; 7], &[ptp]), trapezoid(1.0, 20.0 / 40.0, A1 / 60.0), 1e-9);
+    assert_close(motion_time_s([0.0; 7], &[ptp]), trapezoid(1.0, 20.0 / 40.0, A1 / 60.0), 1e-9);
 }
 
 #[test]
@@ -192,15 +198,19 @@ fn straight_on_is_one_motion() {
     for shape in SHAPES {
         for blend in [Blend::Fraction(0.25), Blend::Fraction(0.5), Blend::CartMm(50.0)] {
             let motions = [
-                Ptp::to(only(1, 30.0)).blend(blend),
-                Ptp::to(only(1, 60.0)).blend(blend),
-                Ptp::to(only(1, 90.0)),
+                Ptp::to(single_joint(1, 30.0)).blend(blend),
+                Ptp::to(single_joint(1, 60.0)).blend(blend),
+                Ptp::to(single_joint(1, 90.0)),
             ];
             let path = path([0.0; 7], &motions, shape);
             assert!(path.blends().all(|(corner, _)| corner.gamma_deg.abs() < 1e-6));
             let trajectory = plan(&path, 100);
-            same(trajectory.motion_time_s(), trapezoid(90.0, V1, A1), 1e-6);
-            same(trajectory.cycle_time_s(), trapezoid(90.0, V1, A1) + settle_time_s(), 1e-6);
+            assert_close(trajectory.motion_time_s(), trapezoid(90.0, V1, A1), 1e-6);
+            assert_close(
+                trajectory.cycle_time_s(),
+                trapezoid(90.0, V1, A1) + settle_time_s(),
+                1e-6,
+            );
         }
     }
 }
@@ -208,27 +218,30 @@ fn straight_on_is_one_motion() {
 /// A blend already keeps the limits of the next motion (Larsen 2019, Appendix B).
 #[test]
 fn straight_on_into_a_slower_motion() {
-    let motions =
-        [Ptp::to(only(1, 30.0)).blend(Blend::Fraction(0.25)), Ptp::to(only(1, 90.0)).velocity(0.5)];
+    let motions = [
+        Ptp::to(single_joint(1, 30.0)).blend(Blend::Fraction(0.25)),
+        Ptp::to(single_joint(1, 90.0)).velocity(0.5),
+    ];
     let blend_starts = 30.0 - 0.25 * 30.0;
     let slow = 0.5 * V1;
     let braking = (V1 * V1 - slow * slow) / (2.0 * A1);
     let first = V1 / A1 + (V1 - slow) / A1 + (blend_starts - V1 * V1 / (2.0 * A1) - braking) / V1;
     let second = (90.0 - blend_starts - slow * slow / (2.0 * A1)) / slow + slow / A1;
-    same(motion_time_s([0.0; 7], &motions), first + second, 1e-6);
+    assert_close(motion_time_s([0.0; 7], &motions), first + second, 1e-6);
 }
 
 /// A nearly collinear corner must not differ from a collinear one.
 #[test]
 fn nearly_straight_on() {
     for deg in [1e-9, 1e-7, 1e-5, 1e-3] {
-        let mut end = only(1, 90.0);
+        let mut end = single_joint(1, 90.0);
         end[1] = f64::to_radians(deg);
         for shape in SHAPES {
-            let motions = [Ptp::to(only(1, 40.0)).blend(Blend::Fraction(0.25)), Ptp::to(end)];
+            let motions =
+                [Ptp::to(single_joint(1, 40.0)).blend(Blend::Fraction(0.25)), Ptp::to(end)];
             let trajectory = plan(&path([0.0; 7], &motions, shape), 100);
             // Eq. 32 has a constant pace, the others do not: their grid misses the switching point.
-            same(trajectory.motion_time_s(), trapezoid(90.0, V1, A1), 1e-3);
+            assert_close(trajectory.motion_time_s(), trapezoid(90.0, V1, A1), 1e-3);
         }
     }
 }
@@ -239,8 +252,10 @@ fn nearly_straight_on() {
 fn one_joint_turns_back() {
     for shape in SHAPES {
         for fraction in [0.1, 0.25, 0.5] {
-            let motions =
-                [Ptp::to(only(1, 40.0)).blend(Blend::Fraction(fraction)), Ptp::to(only(1, -20.0))];
+            let motions = [
+                Ptp::to(single_joint(1, 40.0)).blend(Blend::Fraction(fraction)),
+                Ptp::to(single_joint(1, -20.0)),
+            ];
             let path = path([0.0; 7], &motions, shape);
             let moves = || {
                 path.steps().iter().filter_map(|step| match step {
@@ -288,18 +303,18 @@ fn all_joints_turn_back() {
 
 #[test]
 fn repeated_targets() {
-    let (a, b) = (only(1, 40.0), only(2, 30.0));
+    let (a, b) = (single_joint(1, 40.0), single_joint(2, 30.0));
     let blend = Blend::Fraction(0.25);
     let single = [Ptp::to(a), Ptp::to(b)];
     let double = [Ptp::to(a), Ptp::to(a).blend(blend), Ptp::to(b).blend(blend), Ptp::to(b)];
     let once = plan(&path([0.0; 7], &single, BlendShape::Iiwa), 100);
     let twice = plan(&path([0.0; 7], &double, BlendShape::Iiwa), 100);
-    same(twice.motion_time_s(), once.motion_time_s(), 1e-12);
-    same(twice.cycle_time_s(), once.cycle_time_s() + 2.0 * settle_time_s(), 1e-12);
+    assert_close(twice.motion_time_s(), once.motion_time_s(), 1e-12);
+    assert_close(twice.cycle_time_s(), once.cycle_time_s() + 2.0 * settle_time_s(), 1e-12);
 
     let nowhere = plan(&path(a, &[Ptp::to(a), Ptp::to(a)], BlendShape::Iiwa), 100);
     assert_eq!(nowhere.motion_time_s(), 0.0);
-    same(nowhere.cycle_time_s(), 2.0 * settle_time_s(), 1e-12);
+    assert_close(nowhere.cycle_time_s(), 2.0 * settle_time_s(), 1e-12);
 }
 
 /// Two blends of half a motion leave nothing of it between them, except rounding or a sliver.
@@ -324,8 +339,11 @@ fn slivers_between_blends() {
     for shape in SHAPES {
         let none = time(0.0, shape);
         for sliver in [1e-12, 1.1e-9, 1e-8, 1e-7, 1e-6, 1e-5] {
-            let found = time(sliver, shape);
-            assert!((found - none).abs() < 1e-4 * none, "{shape:?}, {sliver} rad: {found}, {none}");
+            let actual_s = time(sliver, shape);
+            assert!(
+                (actual_s - none).abs() < 1e-4 * none,
+                "{shape:?}, {sliver} rad: {actual_s}, {none}"
+            );
         }
     }
 }
@@ -346,23 +364,23 @@ fn a_radius_larger_than_the_motions() {
 fn tiny_motions() {
     let a1 = A1.to_radians();
     for rad in [1e-3, 1e-6, 1e-8] {
-        let to = only(1, f64::to_degrees(rad));
-        same(motion_time_s([0.0; 7], &[Ptp::to(to)]), 2.0 * (rad / a1).sqrt(), 1e-6);
+        let to = single_joint(1, f64::to_degrees(rad));
+        assert_close(motion_time_s([0.0; 7], &[Ptp::to(to)]), 2.0 * (rad / a1).sqrt(), 1e-6);
         for shape in SHAPES {
             let mut corner = to;
             corner[1] = rad;
-            let there = [
+            let motions = [
                 Ptp::to(to).blend(Blend::Fraction(0.25)),
                 Ptp::to(corner).blend(Blend::Fraction(0.5)),
                 Ptp::to([0.0; 7]),
             ];
-            let found = plan(&path([0.0; 7], &there, shape), 100).motion_time_s();
+            let actual_s = plan(&path([0.0; 7], &motions, shape), 100).motion_time_s();
             // Only acceleration limits the motion: its duration is proportional to the square root
             // of its size.
             let large = plan(
                 &path(
                     [0.0; 7],
-                    &there.clone().map(|ptp| Ptp {
+                    &motions.clone().map(|ptp| Ptp {
                         target_rad: ptp.target_rad.map(|q| q * 1e-2 / rad),
                         ..ptp
                     }),
@@ -372,11 +390,11 @@ fn tiny_motions() {
             )
             .motion_time_s();
             println!("{rad} rad, {shape:?}");
-            same(found / (rad / 1e-2).sqrt(), large, 2e-4);
+            assert_close(actual_s / (rad / 1e-2).sqrt(), large, 2e-4);
         }
     }
     // Motions below a nanoradian are rounding.
-    assert_eq!(motion_time_s([0.0; 7], &[Ptp::to(only(1, 1e-8))]), 0.0);
+    assert_eq!(motion_time_s([0.0; 7], &[Ptp::to(single_joint(1, 1e-8))]), 0.0);
 }
 
 /// Tiny blended motions between large ones.
@@ -384,12 +402,15 @@ fn tiny_motions() {
 fn tiny_motions_on_the_way() {
     let half = Blend::Fraction(0.5);
     for rad in [1e-3, 1e-6, 1e-8] {
-        let mut second = only(1, 30.0);
+        let mut second = single_joint(1, 30.0);
         second[1] = rad;
         let mut third = second;
         third[2] = 0.5;
-        let motions =
-            [Ptp::to(only(1, 30.0)).blend(half), Ptp::to(second).blend(half), Ptp::to(third)];
+        let motions = [
+            Ptp::to(single_joint(1, 30.0)).blend(half),
+            Ptp::to(second).blend(half),
+            Ptp::to(third),
+        ];
         for shape in SHAPES {
             plan(&path([0.0; 7], &motions, shape), 100);
         }
@@ -442,13 +463,14 @@ fn slow_motions_take_as_long_as_they_are_slow() {
             let path = path([0.0; 7], motions, BlendShape::Iiwa);
             Trajectory::plan(&path, timing).unwrap().motion_time_s()
         };
-        let mut corner = only(1, 90.0);
+        let mut corner = single_joint(1, 90.0);
         corner[1] = corner[0];
         for share in [1e-2, 1e-4, 2e-6] {
-            let line = |share| time_s(&[Ptp::to(only(2, 10.0)).velocity(share)]) * share;
+            let line = |share| time_s(&[Ptp::to(single_joint(2, 10.0)).velocity(share)]) * share;
             assert!((line(share) / (10.0 / 98.0) - 1.0).abs() < 2.0 * share, "{share}");
             let blended = |share| {
-                let first = Ptp::to(only(1, 90.0)).velocity(share).blend(Blend::Fraction(0.1));
+                let first =
+                    Ptp::to(single_joint(1, 90.0)).velocity(share).blend(Blend::Fraction(0.1));
                 time_s(&[first, Ptp::to(corner).velocity(share)]) * share
             };
             let change = blended(share) / blended(share / 1.5) - 1.0;

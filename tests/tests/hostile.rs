@@ -22,14 +22,14 @@ fn hostile_programs_fail_only_as_is_known() {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
         let program = Program::from_json(&fs::read_to_string(&file).unwrap()).unwrap();
         let PlanCheck { refusals, failures, .. } = PlanCheck::of(&program);
-        let found = [refusals, failures].concat();
+        let reported = [refusals, failures].concat();
         let known =
-            KNOWN.iter().find(|(known, _)| *known == name).map_or(&[][..], |(_, what)| what);
-        for what in found.iter().filter(|what| !known.contains(&what.as_str())) {
-            wrong.push(format!("{name}: new: {what}"));
+            KNOWN.iter().find(|(known, _)| *known == name).map_or(&[][..], |(_, defects)| defects);
+        for defect in reported.iter().filter(|defect| !known.contains(&defect.as_str())) {
+            wrong.push(format!("{name}: new: {defect}"));
         }
-        for what in known.iter().filter(|what| found.iter().all(|found| found != *what)) {
-            wrong.push(format!("{name}: mended, take it off the list: {what}"));
+        for defect in known.iter().filter(|defect| reported.iter().all(|entry| entry != *defect)) {
+            wrong.push(format!("{name}: mended, take it off the list: {defect}"));
         }
         names.insert(name);
     }

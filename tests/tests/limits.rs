@@ -38,21 +38,21 @@ fn ends_at_the_target(program: &Program, trajectory: &Trajectory) -> Result<(), 
         _ => None,
     });
     // Motions below a nanoradian are omitted: a few of these may be missing.
-    for (found, expected) in
+    for (actual, expected) in
         end.q.iter().zip(target.unwrap_or(*program.start.joints_rad().unwrap()))
     {
-        prop_assert!((found - expected).abs() < 1e-8, "ends at {found}, not at {expected}");
+        prop_assert!((actual - expected).abs() < 1e-8, "ends at {actual}, not at {expected}");
     }
     Ok(())
 }
 
 fn keeps(trajectory: &Trajectory, rate_hz: f64, allowed: &[f64]) -> Result<(), TestCaseError> {
-    let found = ratios(trajectory, rate_hz);
-    for (i, what) in LimitKind::ALL.iter().enumerate().take(allowed.len()) {
-        let ratio = found[i];
+    let actual = ratios(trajectory, rate_hz);
+    for (i, kind) in LimitKind::ALL.iter().enumerate().take(allowed.len()) {
+        let ratio = actual[i];
         // The comparison also fails for NaN.
         let kept = ratio <= allowed[i];
-        prop_assert!(kept, "{what} ratio {ratio} by differences at {rate_hz} Hz");
+        prop_assert!(kept, "{kind} ratio {ratio} by differences at {rate_hz} Hz");
     }
     Ok(())
 }

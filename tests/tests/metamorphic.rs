@@ -25,11 +25,11 @@ fn motion_time_s(program: &Program, timing: Timing) -> f64 {
 /// Fails unless `other` takes `times` as long as `program`, to the relative tolerance `bar`.
 /// Returns the relative difference.
 fn compare(program: &Program, other: &Program, times: f64, timing: Timing, bar: f64) -> f64 {
-    let [found, expected] = [motion_time_s(other, timing), times * motion_time_s(program, timing)];
-    let change = if found == expected { 0.0 } else { found / expected - 1.0 };
+    let [actual, expected] = [motion_time_s(other, timing), times * motion_time_s(program, timing)];
+    let change = if actual == expected { 0.0 } else { actual / expected - 1.0 };
     assert!(
         change.abs() <= bar,
-        "{} timing: {found} s, expected {expected} s ({change:e}): {}",
+        "{} timing: {actual} s, expected {expected} s ({change:e}): {}",
         timing.name(),
         program.to_json()
     );
@@ -61,8 +61,8 @@ fn programs(
     largest: f64,
 ) -> Vec<Program> {
     let mut rng = fastrand::Rng::with_seed(11);
-    let mut found = Vec::with_capacity(count);
-    while found.len() < count {
+    let mut cases = Vec::with_capacity(count);
+    while cases.len() < count {
         let pose =
             |rng: &mut fastrand::Rng| -> Joints { std::array::from_fn(|_| 3.0 * rng.f64() - 1.5) };
         let start_rad = pose(&mut rng);
@@ -87,10 +87,10 @@ fn programs(
         };
         // A blend may leave a joint range.
         if JointPath::new(&program, &Robot::default()).is_ok() {
-            found.push(program);
+            cases.push(program);
         }
     }
-    found
+    cases
 }
 
 /// Returns independent relative limits of each joint.
@@ -133,12 +133,12 @@ fn a_mirror_image_takes_as_long() {
 #[test]
 fn the_way_back_takes_as_long() {
     let mut largest = 0.0_f64;
-    for there in programs(40, apart, 0.5) {
-        let ways = ptps(&there);
+    for forward in programs(40, apart, 0.5) {
+        let ways = ptps(&forward);
         let mut targets: Vec<_> = ways.iter().map(|ptp| ptp.target_rad).collect();
         let start_rad = targets.pop().unwrap();
         let blends = ways.iter().rev().skip(1).map(|ptp| ptp.blend).chain([None]);
-        let targets = targets.into_iter().rev().chain([*there.start.joints_rad().unwrap()]);
+        let targets = targets.into_iter().rev().chain([*forward.start.joints_rad().unwrap()]);
         let back = targets
             .zip(blends)
             .map(|(target_rad, blend)| Motion::Ptp(Ptp { target_rad, blend, ..ways[0].clone() }));
@@ -150,7 +150,7 @@ fn the_way_back_takes_as_long() {
             sources: Sources::default(),
         };
         for timing in timings() {
-            largest = largest.max(compare(&there, &back, 1.0, timing, BAR));
+            largest = largest.max(compare(&forward, &back, 1.0, timing, BAR));
         }
     }
     println!("largest change {largest:e}");

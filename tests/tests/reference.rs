@@ -9,9 +9,9 @@ fn path(case: &Case) -> JointPath {
     JointPath::new(&case.program, &Robot::lbr_iiwa_7_r800()).unwrap()
 }
 
-fn close<const N: usize>(found: [f64; N], expected: [f64; N], what: &str) {
-    for (found, expected) in found.iter().zip(expected) {
-        assert!((found - expected).abs() < 1e-6, "{what}: {found}, expected {expected}");
+fn close<const N: usize>(actual: [f64; N], expected: [f64; N], label: &str) {
+    for (actual, expected) in actual.iter().zip(expected) {
+        assert!((actual - expected).abs() < 1e-6, "{label}: {actual}, expected {expected}");
     }
 }
 
@@ -22,12 +22,12 @@ fn blends() {
         let robot = path.robot();
         assert_eq!(path.blends().count(), case.answers.blends.len(), "program {}", case.id);
         for ((corner, blend), answer) in path.blends().zip(&case.answers.blends) {
-            let what = format!("program {}, blend after motion {}", case.id, corner.motion);
-            close([corner.gamma_deg], [answer.gamma_deg], &what);
-            close(blend.at(0.0).q, answer.start_rad, &what);
-            close(blend.at(0.5).q, answer.mid_rad, &what);
-            close(blend.at(1.0).q, answer.end_rad, &what);
-            close(robot.flange_position(&blend.at(0.5).q), answer.mid_tcp_m, &what);
+            let label = format!("program {}, blend after motion {}", case.id, corner.motion);
+            close([corner.gamma_deg], [answer.gamma_deg], &label);
+            close(blend.at(0.0).q, answer.start_rad, &label);
+            close(blend.at(0.5).q, answer.mid_rad, &label);
+            close(blend.at(1.0).q, answer.end_rad, &label);
+            close(robot.flange_position(&blend.at(0.5).q), answer.mid_tcp_m, &label);
         }
     }
 }
@@ -78,14 +78,14 @@ fn jerk_limited_s(refinement: f64) -> Vec<f64> {
 
 #[test]
 fn cycle_times_under_limits_of_jerk() {
-    for (case, found) in cases().iter().zip(jerk_limited_s(1.0)) {
-        let error = found / case.answers.motion_s.jerk - 1.0;
+    for (case, reference) in cases().iter().zip(jerk_limited_s(1.0)) {
+        let error = reference / case.answers.motion_s.jerk - 1.0;
         println!("program {:2}: {:+.5} %", case.id, 100.0 * error);
         // Straight lines have a closed form. Otherwise the reference is accurate to 0.1 %, from
         // below.
         let straight = case.answers.blends.is_empty();
-        let (least, most) = if straight { (-1e-4, 1e-4) } else { (-5e-4, 3e-3) };
-        assert!(least <= error && error <= most, "program {}: {error:e}", case.id);
+        let (lower, upper) = if straight { (-1e-4, 1e-4) } else { (-5e-4, 3e-3) };
+        assert!(lower <= error && error <= upper, "program {}: {error:e}", case.id);
     }
 }
 

@@ -62,11 +62,15 @@ fn changes_are_planned_as_well_as_programs() {
             assert!(slower < BAR, "program {index}, motion {motion}: {slower:e}");
 
             // Limits hold at each patched place, and time increases.
-            let found = extremes(&trajectory, Timing::jerk_limited());
-            for (ratio, allowed) in found.ratios().into_iter().zip(RATIOS) {
-                assert!(ratio <= allowed, "program {index}, motion {motion}: {:?}", found.ratios());
+            let actual = extremes(&trajectory, Timing::jerk_limited());
+            for (ratio, allowed) in actual.ratios().into_iter().zip(RATIOS) {
+                assert!(
+                    ratio <= allowed,
+                    "program {index}, motion {motion}: {:?}",
+                    actual.ratios()
+                );
             }
-            assert!(found.jumps.iter().all(|jump| *jump < 1e-6), "{:?}", found.jumps);
+            assert!(actual.jumps.iter().all(|jump| *jump < 1e-6), "{:?}", actual.jumps);
             let states: Vec<_> = trajectory.states().collect();
             assert!(states.windows(2).all(|pair| pair[0].t_s < pair[1].t_s));
         }

@@ -29,13 +29,13 @@ fn duration_s(distance: f64, [v, a, j]: [f64; 3]) -> f64 {
 /// limit to its displacement is critical.
 fn expected_s(start: &Joints, ptp: &Ptp) -> f64 {
     let robot = MotionLimits::full(&Robot::lbr_iiwa_7_r800());
-    let least = LimitKind::ALL.map(|kind| {
+    let lower = LimitKind::ALL.map(|kind| {
         let (limit, share) = (robot.of(kind), ptp.share(kind));
         (0..7)
             .map(|i| limit[i] * share[i] / (ptp.target_rad[i] - start[i]).abs())
             .fold(f64::INFINITY, f64::min)
     });
-    duration_s(1.0, least)
+    duration_s(1.0, lower)
 }
 
 fn path(start_rad: Joints, motions: Vec<Ptp>, blend_shape: BlendShape) -> JointPath {
@@ -62,7 +62,7 @@ fn found_s(start: Joints, ptp: &Ptp, timing: Timing) -> f64 {
 }
 
 /// Returns joint `joint` (from 1) at `deg`, the others at zero.
-fn only(joint: usize, deg: f64) -> Joints {
+fn single_joint(joint: usize, deg: f64) -> Joints {
     std::array::from_fn(|j| if j + 1 == joint { deg.to_radians() } else { 0.0 })
 }
 
@@ -72,7 +72,7 @@ const ALL: Joints = [0.9, -0.8, 0.7, -0.6, 0.5, -0.4, 0.3];
 /// relative limits.
 fn moves() -> Vec<Ptp> {
     let alone = (1..=7).flat_map(|joint| {
-        [100.0, 40.0, 19.6, 5.0, 0.3, 0.01, 1e-4].map(|deg| Ptp::to(only(joint, deg)))
+        [100.0, 40.0, 19.6, 5.0, 0.3, 0.01, 1e-4].map(|deg| Ptp::to(single_joint(joint, deg)))
     });
     let together = [1.0, 0.2, 1e-2, 1e-5].map(|size| Ptp::to(ALL.map(|q| q * size)));
     let shares = [
@@ -109,34 +109,34 @@ fn moves() -> Vec<Ptp> {
 /// Returns the smallest and the largest relative difference of durations from the closed form.
 fn differences(timing: Timing) -> [f64; 2] {
     let differences = moves().into_iter().map(|ptp| {
-        let found = found_s([0.0; 7], &ptp, timing);
-        let difference = found / expected_s(&[0.0; 7], &ptp) - 1.0;
+        let actual_s = found_s([0.0; 7], &ptp, timing);
+        let difference = actual_s / expected_s(&[0.0; 7], &ptp) - 1.0;
         assert!(difference.abs() < 0.1, "{difference:e}: {ptp:?}");
         difference
     });
-    let [least, most] =
-        differences.fold([0.0_f64; 2], |[least, most], d| [least.min(d), most.max(d)]);
-    println!("{timing:?}: {least:+e} to {most:+e}");
-    [least, most]
+    let [lowest, highest] =
+        differences.fold([0.0_f64; 2], |[low, high], d| [low.min(d), high.max(d)]);
+    println!("{timing:?}: {lowest:+e} to {highest:+e}");
+    [lowest, highest]
 }
 
 #[test]
 fn joint_1_from_minus_20_to_20_deg() {
     // Limits of Larsen 2019, Tables 2 and 5.
     let expected = 40.0 / 98.0 + 98.0 / 490.0 + 490.0 / 10_384.86;
-    let ptp = Ptp::to(only(1, 20.0));
+    let ptp = Ptp::to(single_joint(1, 20.0));
     for (timing, tolerance) in
         [(Timing::jerk_limited(), 1e-12), (general(1.0), 1e-3), (general(4.0), 1e-4)]
     {
-        let error = found_s(only(1, -20.0), &ptp, timing) / expected - 1.0;
+        let error = found_s(single_joint(1, -20.0), &ptp, timing) / expected - 1.0;
         assert!(error.abs() < tolerance, "{timing:?}: {error:e}");
     }
 }
 
 #[test]
 fn as_the_formula_says() {
-    let [least, most] = differences(Timing::jerk_limited());
-    assert!(least > -1e-9 && most < 1e-9);
+    let [lowest, highest] = differences(Timing::jerk_limited());
+    assert!(lowest > -1e-9 && highest < 1e-9);
 }
 
 /// Compares the general solver with the closed form. Where jerk is constant, its speed (square root
@@ -145,8 +145,8 @@ fn as_the_formula_says() {
 #[test]
 fn the_general_solver_agrees() {
     for (refinement, tolerance) in [(1.0, [-1e-4, 1.5e-3]), (8.0, [-1e-4, 1e-4])] {
-        let [least, most] = differences(general(refinement));
-        assert!(least > tolerance[0] && most < tolerance[1], "{least:e} to {most:e}");
+        let [lowest, highest] = differences(general(refinement));
+        assert!(lowest > tolerance[0] && highest < tolerance[1], "{lowest:e} to {highest:e}");
     }
 }
 
@@ -162,7 +162,7 @@ fn straight_on_through_blends() {
     let timing = |refinement| Timing::Jerk(JerkOptions { refinement, general: false });
     let mut largest = [0.0_f64; 2];
     for shape in shapes {
-        for to in [only(1, 90.0), ALL, ALL.map(|q| 0.05 * q)] {
+        for to in [single_joint(1, 90.0), ALL, ALL.map(|q| 0.05 * q)] {
             for blend in [Blend::Fraction(0.1), Blend::Fraction(0.25), Blend::Fraction(0.5)] {
                 for [v, a, j] in [[1.0, 1.0, 1.0], [0.1, 1.0, 1.0], [0.7, 0.5, 0.1]] {
                     let part = |share: f64| Ptp {
@@ -176,8 +176,8 @@ fn straight_on_through_blends() {
                     let path = path([0.0; 7], parts, shape);
                     assert!(path.blends().all(|(corner, _)| corner.gamma_deg.abs() < 1e-5));
                     for (largest, refinement) in largest.iter_mut().zip([1.0, 8.0]) {
-                        let found = Trajectory::plan(&path, timing(refinement)).unwrap();
-                        let error = (found.motion_time_s() / expected - 1.0).abs();
+                        let actual = Trajectory::plan(&path, timing(refinement)).unwrap();
+                        let error = (actual.motion_time_s() / expected - 1.0).abs();
                         assert!(error < 0.1, "{shape:?} {blend:?} {v} {a} {j}: {error:e}");
                         *largest = largest.max(error);
                     }
@@ -209,10 +209,10 @@ fn slow_lines_of_the_tcp() {
                     "cart_jerk_mm_s3": {jerk} }}] }}"#
         );
         let path = JointPath::new(&Program::from_json(&text).unwrap(), &robot).unwrap();
-        let [own, solved] = [Timing::jerk_limited(), general(1.0)]
+        let [jerk_limited, solved] = [Timing::jerk_limited(), general(1.0)]
             .map(|timing| Trajectory::plan(&path, timing).unwrap());
         let expected_s = duration_s(130.0, [speed, acceleration, jerk]);
-        let [own_s, solved_s] = [&own, &solved].map(Trajectory::motion_time_s);
+        let [own_s, solved_s] = [&jerk_limited, &solved].map(Trajectory::motion_time_s);
         if jerk < 1e5 {
             assert!((own_s / expected_s - 1.0).abs() < 1e-12, "{text}: {own_s} {expected_s}");
         } else {
@@ -220,8 +220,10 @@ fn slow_lines_of_the_tcp() {
         }
         assert!((solved_s / own_s - 1.0).abs() < 1e-3, "{text}: {own_s} {solved_s}");
         // Enough nodes for the curves of the joints.
-        let nodes =
-            own.sections()[0].pieces().iter().map(|piece| own.sections()[0].nodes(piece).len());
+        let nodes = jerk_limited.sections()[0]
+            .pieces()
+            .iter()
+            .map(|piece| jerk_limited.sections()[0].nodes(piece).len());
         assert!(nodes.sum::<usize>() > 50);
     }
 }

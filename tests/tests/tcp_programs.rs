@@ -35,7 +35,7 @@ fn faults(TcpProgram { robot, program, .. }: &TcpProgram) -> Vec<String> {
             }
         };
         for rate_hz in [1000.0, 250.0] {
-            let found = |what: &str, ratios: &[f64]| -> Vec<String> {
+            let exceeded = |quantity: &str, ratios: &[f64]| -> Vec<String> {
                 let is_too_much = |i: usize| ratios[i] > ALLOWED[i] || ratios[i].is_nan();
                 (0..ratios.len().min(kinds))
                     .filter(|i| is_too_much(*i))
@@ -43,13 +43,13 @@ fn faults(TcpProgram { robot, program, .. }: &TcpProgram) -> Vec<String> {
                         let order = i + 1;
                         let ratio = ratios[i];
                         format!(
-                            "{} at {rate_hz} Hz: {what}, order {order}: {ratio:.4}",
+                            "{} at {rate_hz} Hz: {quantity}, order {order}: {ratio:.4}",
                             timing.name()
                         )
                     })
                     .collect()
             };
-            faults.extend(found("joints by differences", &ratios(&trajectory, rate_hz)));
+            faults.extend(exceeded("joints by differences", &ratios(&trajectory, rate_hz)));
             let mut joints = [0.0_f64; 3];
             for state in trajectory.samples(rate_hz) {
                 let limits = path.limits_of(state.step);
@@ -62,16 +62,16 @@ fn faults(TcpProgram { robot, program, .. }: &TcpProgram) -> Vec<String> {
                     *worst = worst.max(iiwasim_tests::differences::ratio(values, limits));
                 }
             }
-            faults.extend(found("joints", &joints));
+            faults.extend(exceeded("joints", &joints));
             let [way, turn] = tcp_ratios(robot, program, &trajectory, rate_hz);
-            faults.extend(found("way", &way));
-            faults.extend(found("turn", &turn));
+            faults.extend(exceeded("way", &way));
+            faults.extend(exceeded("turn", &turn));
         }
         // Differences are along chords: at a lower rate they would cut the corners of small blends.
         let [way, turn] = tcp_difference_ratios(robot, program, &trajectory, 4000.0);
-        for (what, ratios) in [("way", way), ("turn", turn)] {
+        for (quantity, ratios) in [("way", way), ("turn", turn)] {
             if !(ratios[0] <= 1.01 && ratios[1] <= 1.03) {
-                faults.push(format!("{} by differences: {what}: {ratios:?}", timing.name()));
+                faults.push(format!("{} by differences: {quantity}: {ratios:?}", timing.name()));
             }
         }
     }
@@ -136,13 +136,13 @@ fn turned_about_the_first_axis_it_takes_as_long() {
             });
             let root = turned.workcell.bases.get_mut(ROOT).unwrap();
             root.frame = Frame { xyz_mm: [0.0; 3], abc_rad: [angle, 0.0, 0.0] };
-            let Ok(there) = JointPath::new(&turned, &robot) else { continue };
-            let here = JointPath::new(&program, &robot).unwrap();
+            let Ok(turned_path) = JointPath::new(&turned, &robot) else { continue };
+            let path = JointPath::new(&program, &robot).unwrap();
             for timing in timings() {
                 // Where cells slightly exceed a limit, rounding decides which cells are lowered
                 // before the jerk limits apply.
                 let allowed = if matches!(timing, Timing::Jerk(_)) { 1e-3 } else { 1e-6 };
-                let off = seconds(&there, timing) / seconds(&here, timing) - 1.0;
+                let off = seconds(&turned_path, timing) / seconds(&path, timing) - 1.0;
                 assert!(off.abs() < allowed, "program {index} by {}: {off:e}", timing.name());
             }
             compared += 1;
@@ -168,12 +168,12 @@ fn a_moved_base_and_frames_moved_back_are_the_same_path() {
             }
         }
         for motion in &mut moved.motions {
-            let Motion::Cartesian(own) = motion else { continue };
+            let Motion::Cartesian(cartesian) = motion else { continue };
             // Targets in another base move with that base.
-            if own.base.is_some() {
+            if cartesian.base.is_some() {
                 continue;
             }
-            let targets = match &mut own.course {
+            let targets = match &mut cartesian.course {
                 Course::Ptp { to } | Course::Lin { to } => vec![to],
                 Course::LinRel { within, .. } => within.iter_mut().collect(),
                 Course::Circ(circ) => vec![&mut circ.aux, &mut circ.to],
@@ -185,9 +185,9 @@ fn a_moved_base_and_frames_moved_back_are_the_same_path() {
                 }
             }
         }
-        let [here, there] =
+        let [original, moved] =
             [&program, &moved].map(|program| JointPath::new(program, &robot).unwrap());
-        for (a, b) in segments(&here).iter().flatten().zip(segments(&there).iter().flatten()) {
+        for (a, b) in segments(&original).iter().flatten().zip(segments(&moved).iter().flatten()) {
             for i in 0..=20 {
                 let s = f64::from(i) / 20.0;
                 let off = vector::distance(&a.at(s).q, &b.at(s).q);
@@ -220,10 +220,10 @@ fn scaled_limits_scale_time() {
                 let by = FACTOR.powi(-i32::from(kind.order()));
                 match motion {
                     Motion::Ptp(ptp) => ptp.share_mut(kind).iter_mut().for_each(|s| *s *= by),
-                    Motion::Cartesian(own) => {
-                        own.shares[kind].iter_mut().for_each(|share| *share *= by);
-                        scale(&mut own.tool_limits, kind, by);
-                        let Course::Spline(segments) = &mut own.course else { continue };
+                    Motion::Cartesian(cartesian) => {
+                        cartesian.shares[kind].iter_mut().for_each(|share| *share *= by);
+                        scale(&mut cartesian.tool_limits, kind, by);
+                        let Course::Spline(segments) = &mut cartesian.course else { continue };
                         for limits in segments.iter_mut().map(|segment| &mut segment.limits) {
                             limits.shares[kind].iter_mut().flatten().for_each(|share| *share *= by);
                             scale(&mut limits.tool, kind, by);
@@ -279,19 +279,19 @@ fn position_and_two_derivatives_go_on_across_blends() {
             }
             // One-sided second-order differences, over steps that are short on both sides.
             let h = 1e-5 * a.sigma_length_rad().min(b.sigma_length_rad());
-            let at = |segment: &Arc<dyn Segment>, way: f64| {
+            let state_at = |segment: &Arc<dyn Segment>, way: f64| {
                 segment.at(segment.s_at(way / segment.sigma_unit_rad())).q
             };
-            let before = [0.0, 1.0, 2.0].map(|k| at(a, a.sigma_length_rad() - k * h));
-            let after = [0.0, 1.0, 2.0].map(|k| at(b, k * h));
+            let before = [0.0, 1.0, 2.0].map(|k| state_at(a, a.sigma_length_rad() - k * h));
+            let after = [0.0, 1.0, 2.0].map(|k| state_at(b, k * h));
             let rate =
                 |q: &[Joints; 3], j: usize| (4.0 * q[1][j] - 3.0 * q[0][j] - q[2][j]) / (2.0 * h);
             for j in 0..7 {
                 let [into, out] = [-rate(&before, j), rate(&after, j)];
                 let off = (into - out).abs();
                 let third = derivatives.map(|[_, _, third]| third[j].abs());
-                let most = 1e-3 * (1.0 + into.abs()) + h * h * (third[0] + third[1]);
-                assert!(off < most, "program {index}, A{}: {off:e}", j + 1);
+                let tolerance = 1e-3 * (1.0 + into.abs()) + h * h * (third[0] + third[1]);
+                assert!(off < tolerance, "program {index}, A{}: {off:e}", j + 1);
             }
             joins += 1;
         }
@@ -349,10 +349,10 @@ fn blends_of_lines_keep_plane_and_orientation() {
         for segment in segments(&path).iter().flatten() {
             for i in 0..=200 {
                 let pose = robot.flange_pose(&segment.at(f64::from(i) / 200.0).q);
-                let here = start.inverse().then(&pose);
-                let height = here.position_m[2].abs();
+                let relative = start.inverse().then(&pose);
+                let height = relative.position_m[2].abs();
                 assert!(height < 2e-9, "corner {index}: {height:e} m out of the plane");
-                let turn = here.to_isometry().rotation.angle();
+                let turn = relative.to_isometry().rotation.angle();
                 assert!(turn < 3e-9, "corner {index}: turned by {turn:e} rad");
             }
         }
@@ -390,13 +390,13 @@ fn blends_at_a_standing_target_are_stops() {
     let robot = Robot::default();
     let pose = robot.flange_pose(&start_rad);
     let by = Pose { position_m: [0.05, 0.02, 0.03], ..Pose::IDENTITY };
-    let there = Frame::from(&pose.then(&by));
-    let here = Frame::from(&pose);
-    for frames in [vec![here, there], vec![there, there], vec![here, here, there]] {
+    let moved = Frame::from(&pose.then(&by));
+    let original = Frame::from(&pose);
+    for frames in [vec![original, moved], vec![moved, moved], vec![original, original, moved]] {
         let program = lines(start_rad, &frames, 30.0, OrientationType::Variable);
         let path = JointPath::new(&program, &robot).unwrap();
         assert_eq!(path.blends().count(), 0);
-        let alone = lines(start_rad, &[there], 30.0, OrientationType::Variable);
+        let alone = lines(start_rad, &[moved], 30.0, OrientationType::Variable);
         let alone = JointPath::new(&alone, &robot).unwrap();
         for timing in timings() {
             let off = seconds(&path, timing) / seconds(&alone, timing) - 1.0;

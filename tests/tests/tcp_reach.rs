@@ -39,12 +39,12 @@ fn course(
         Course::Lin { to } => {
             let (to, e1) = target(program, motion, to);
             let axis = turn(&to.rotation);
-            let at = move |s: f64| {
+            let pose_at = move |s: f64| {
                 let position = from.translation.vector.lerp(&to.translation.vector, s);
                 let rotation = from.rotation * UnitQuaternion::from_scaled_axis(s * axis);
                 Isometry3::from_parts(Translation3::from(position), rotation)
             };
-            Some((Box::new(at), e1))
+            Some((Box::new(pose_at), e1))
         }
         Course::Circ(circ) => {
             let is_plain = circ.aux_orientation == AuxOrientation::Ignore && !circ.turns_with_path;
@@ -69,12 +69,12 @@ fn course(
             let angle = circ.angle_rad.unwrap_or(programmed);
             let stretch = if circ.extrapolates { angle / programmed } else { 1.0 };
             let axis = stretch * turn(&to.rotation);
-            let at = move |s: f64| {
+            let pose_at = move |s: f64| {
                 let arm = Rotation3::from_scaled_axis(s * angle * normal) * radius;
                 let rotation = from.rotation * UnitQuaternion::from_scaled_axis(s * axis);
                 Isometry3::from_parts(Translation3::from(centre + arm), rotation)
             };
-            Some((Box::new(at), e1))
+            Some((Box::new(pose_at), e1))
         }
         _ => None,
     }
@@ -164,9 +164,11 @@ fn judge(robot: &Robot, program: &Program) -> Result<&'static str, String> {
                 }
                 CartesianFault::Singular { s, part, .. } => {
                     // An abrupt change is localised only approximately.
-                    let (most, reach) = if part.is_some() { (1e-4, 0.0) } else { (0.02, 2e-3) };
-                    (-20..=20)
-                        .any(|i| along.singularity(s + reach * f64::from(i) / 20.0) <= most * 1.001)
+                    let (tolerance, reach) =
+                        if part.is_some() { (1e-4, 0.0) } else { (0.02, 2e-3) };
+                    (-20..=20).any(|i| {
+                        along.singularity(s + reach * f64::from(i) / 20.0) <= tolerance * 1.001
+                    })
                 }
                 CartesianFault::Course(_) => true,
                 _ => false,
@@ -179,12 +181,12 @@ fn judge(robot: &Robot, program: &Program) -> Result<&'static str, String> {
 #[test]
 fn paths_are_planned_or_refused_for_a_cause() {
     let count = if std::env::var_os("IIWASIM_LONG").is_some() { 10_000 } else { 1_000 };
-    let (mut found, mut wrong) = (BTreeMap::<_, usize>::new(), 0);
+    let (mut counts, mut wrong) = (BTreeMap::<_, usize>::new(), 0);
     for is_circ in [false, true] {
         for index in 0..count {
             let (robot, program) = single_path(1, index, is_circ);
             match judge(&robot, &program) {
-                Ok(cause) => *found.entry((is_circ, cause)).or_default() += 1,
+                Ok(cause) => *counts.entry((is_circ, cause)).or_default() += 1,
                 Err(fault) => {
                     wrong += 1;
                     println!("circ {is_circ}, {index}: {fault}\n{}", program.to_json());
@@ -192,8 +194,8 @@ fn paths_are_planned_or_refused_for_a_cause() {
             }
         }
     }
-    println!("(is a circle, what) {found:#?}");
+    println!("(is a circle, what) {counts:#?}");
     assert_eq!(wrong, 0);
-    assert!(found[&(false, "planned")] > 300, "{found:?}");
-    assert!(found[&(true, "planned")] > 100, "{found:?}");
+    assert!(counts[&(false, "planned")] > 300, "{counts:?}");
+    assert!(counts[&(true, "planned")] > 100, "{counts:?}");
 }

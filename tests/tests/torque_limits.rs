@@ -19,7 +19,7 @@ const TIMINGS: [fn() -> Timing; 2] =
     [Timing::jerk_limited, || Timing::Acceleration(SweepOptions::default())];
 
 /// Tolerance of torque ratios in a plan.
-const MOST_TORQUE: f64 = 1.01;
+const MAX_TORQUE: f64 = 1.01;
 
 /// Returns the largest ratios of a trajectory at 1 kHz: of joint torques, velocity, acceleration
 /// and jerk.
@@ -73,13 +73,14 @@ fn durations_are_those_of_the_reference() {
                 let percent = 100.0 * (trajectory.motion_time_s() / expected_s - 1.0);
                 let [torque, ..] = worst(&trajectory, &case.torque_limit_nm);
                 println!(
-                    "case {}, {}, torque limited {limits_torque}: {percent:+.3} %, torque {torque:.4}",
+                    "case {}, {}, torque limited {limits_torque}: {percent:+.3} %, torque \
+                     {torque:.4}",
                     case.id,
                     timing.name(),
                 );
                 assert!((-0.05..=0.3).contains(&percent), "case {}: {percent} %", case.id);
                 assert_eq!(is_held_back(&trajectory), limits_torque, "case {}", case.id);
-                assert_eq!(torque <= MOST_TORQUE, limits_torque, "case {}: {torque}", case.id);
+                assert_eq!(torque <= MAX_TORQUE, limits_torque, "case {}: {torque}", case.id);
             }
         }
     }
@@ -90,7 +91,7 @@ fn durations_are_those_of_the_reference() {
 #[test]
 fn all_limits_are_kept() {
     let count = if std::env::var_os("IIWASIM_LONG").is_some() { 1000 } else { 40 };
-    let mut found: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     let mut worst_of_all = [[0.0_f64; 4]; 2];
     let mut faults = Vec::new();
     // 152: a spline of 5 mm whose third derivative has a peak between the points at which cells are
@@ -105,12 +106,13 @@ fn all_limits_are_kept() {
             let trajectory = match Trajectory::plan(&path, timing()) {
                 Ok(trajectory) => trajectory,
                 Err(TimingError::CannotHold { motion, joint, holding_nm, .. }) => {
-                    *found.entry("refused").or_default() += 1;
+                    *counts.entry("refused").or_default() += 1;
                     let most_nm = 0.99 * limits_nm[joint.index()];
                     let free = Trajectory::plan(&free, timing()).unwrap();
-                    let held = free.torques().motions.into_iter().find(|own| own.motion == motion);
-                    let held_nm =
-                        held.map_or(f64::INFINITY, |own| own.static_nm[joint.index()].abs());
+                    let held =
+                        free.torques().motions.into_iter().find(|torques| torques.motion == motion);
+                    let held_nm = held
+                        .map_or(f64::INFINITY, |torques| torques.static_nm[joint.index()].abs());
                     if !(holding_nm.abs() > most_nm && held_nm > 0.999 * most_nm) {
                         faults.push(format!("{index}: {joint} holds {held_nm} Nm of {most_nm}"));
                     }
@@ -123,17 +125,17 @@ fn all_limits_are_kept() {
             };
             let free_s = Trajectory::plan(&free, timing()).unwrap().cycle_time_s();
             let same = trajectory.cycle_time_s().to_bits() == free_s.to_bits();
-            *found.entry(if same { "as without" } else { "held back" }).or_default() += 1;
+            *counts.entry(if same { "as without" } else { "held back" }).or_default() += 1;
             let shares = worst(&trajectory, &limits_nm);
             let allowed = match k {
                 0 => [
-                    MOST_TORQUE,
+                    MAX_TORQUE,
                     tolerances::RATIOS[0],
                     tolerances::RATIOS[1],
                     tolerances::RATIOS[2],
                 ],
                 _ => [
-                    MOST_TORQUE,
+                    MAX_TORQUE,
                     tolerances::SWEPT_RATIOS[0],
                     tolerances::SWEPT_RATIOS[1],
                     f64::INFINITY,
@@ -152,9 +154,9 @@ fn all_limits_are_kept() {
             }
         }
     }
-    println!("{found:?}, worst {worst_of_all:.4?}");
+    println!("{counts:?}, worst {worst_of_all:.4?}");
     assert!(faults.is_empty(), "{}", faults.join("\n"));
-    assert!(found["held back"] > 5 && found["as without"] > 50, "{found:?}");
+    assert!(counts["held back"] > 5 && counts["as without"] > 50, "{counts:?}");
 }
 
 fn swings() -> Program {
@@ -180,7 +182,7 @@ fn plan(program: &Program, timing: Timing) -> Result<Trajectory, TimingError> {
 
 /// An inactive limit leaves every bit of the plan unchanged.
 #[test]
-fn what_needs_no_more_is_planned_as_without() {
+fn inactive_torque_limits_do_not_change_the_plan() {
     for timing in TIMINGS {
         let free = plan(&swings(), timing()).unwrap();
         let mut program = swings();
@@ -269,7 +271,7 @@ fn a_mirrored_program_takes_as_long() {
 
 /// A load that cannot be held is a separate error, with motion, joint and torque.
 #[test]
-fn what_cannot_be_held_is_refused() {
+fn unholdable_poses_are_rejected() {
     let mut program = loaded(6.0, 0.4);
     program.motions.remove(0);
     let load = Load { mass_kg: 6.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
@@ -299,7 +301,7 @@ fn friction_is_taken_off() {
         let without = plan(&program, timing()).unwrap();
         assert!(trajectory.cycle_time_s() > without.cycle_time_s());
         let [torque, ..] = worst(&trajectory, &robot.limits().torque_nm.map(|limit| 0.85 * limit));
-        assert!(torque <= MOST_TORQUE, "{torque}");
+        assert!(torque <= MAX_TORQUE, "{torque}");
     }
 }
 
@@ -318,7 +320,7 @@ fn planning_again_keeps_limits_of_torque() {
     assert!(off.abs() < 1e-3, "{off}");
     let limits_nm = robot.limits().torque_nm.map(|limit| 0.8 * limit);
     let [torque, ..] = worst(&plan_again.trajectory(), &limits_nm);
-    assert!(torque <= MOST_TORQUE, "{torque}");
+    assert!(torque <= MAX_TORQUE, "{torque}");
 
     let heavy = Load { mass_kg: 60.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
     let error = plan_again.replace(MotionIndex::new(0), Motion::Load(Some(heavy))).unwrap_err();
@@ -328,7 +330,7 @@ fn planning_again_keeps_limits_of_torque() {
 
 /// Parses the key of programs, and its range.
 #[test]
-fn programs_say_it() {
+fn programs_state_the_torque_limit() {
     let text = |percent: &str| {
         format!(
             r#"{{ "version": 1, "limit_torque_percent": {percent},

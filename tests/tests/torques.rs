@@ -15,9 +15,9 @@ use proptest::prelude::*;
 /// static torque.
 fn peaks(case: &TorqueCase, figures: &TorqueFigures) -> (Joints, f64) {
     let share = |torques: &Joints, j: usize| torques[j].abs() / case.torque_limit_nm[j];
-    let most = |j| figures.motions.iter().map(|m| share(&m.peak_nm, j)).fold(0.0, f64::max);
+    let peak = |j| figures.motions.iter().map(|m| share(&m.peak_nm, j)).fold(0.0, f64::max);
     let still = figures.motions.iter().flat_map(|m| (0..7).map(|j| share(&m.static_nm, j)));
-    (std::array::from_fn(most), still.fold(0.0, f64::max))
+    (std::array::from_fn(peak), still.fold(0.0, f64::max))
 }
 
 /// Cross-validation: trajectories of an independent solver for six programs with loads on the
@@ -45,13 +45,13 @@ fn peaks_and_work_are_those_of_the_reference() {
             let Energy { positive_j, negative_j, positive_per_joint_j, peak_power_w } =
                 &case.energy.jerk;
             let sum = |joints: &Joints| joints.iter().sum::<f64>();
-            let found = [sum(&figures.positive_work_j), sum(&figures.negative_work_j)];
-            println!("   work {found:.2?} J, peak power {:.1} W", figures.peak_power_w);
-            for (found, expected) in found.iter().zip([positive_j, negative_j]) {
-                assert!((found / expected - 1.0).abs() < 3e-3, "case {}: {found}", case.id);
+            let actual_j = [sum(&figures.positive_work_j), sum(&figures.negative_work_j)];
+            println!("   work {actual_j:.2?} J, peak power {:.1} W", figures.peak_power_w);
+            for (actual, expected) in actual_j.iter().zip([positive_j, negative_j]) {
+                assert!((actual / expected - 1.0).abs() < 3e-3, "case {}: {actual}", case.id);
             }
-            for (found, expected) in figures.positive_work_j.iter().zip(positive_per_joint_j) {
-                assert!((found - expected).abs() < 0.2, "case {}: {found}", case.id);
+            for (actual, expected) in figures.positive_work_j.iter().zip(positive_per_joint_j) {
+                assert!((actual - expected).abs() < 0.2, "case {}: {actual}", case.id);
             }
             let power = figures.peak_power_w / peak_power_w;
             assert!((power - 1.0).abs() < 0.035, "case {}: {power}", case.id);
@@ -94,8 +94,8 @@ proptest! {
         let dynamics = path.dynamics(MotionIndex::new(0));
         let height = |q: &Joints| dynamics.potential_energy_j(q);
         let gained = height(&trajectory.at(trajectory.cycle_time_s()).q) - height(path.start_rad());
-        let found = work(&figures);
-        prop_assert!((found - gained).abs() < 1e-3, "{found} J, {gained} J");
+        let actual = work(&figures);
+        prop_assert!((actual - gained).abs() < 1e-3, "{actual} J, {gained} J");
         prop_assert!(figures.positive_work_j.iter().all(|work| *work >= 0.0));
         prop_assert!(figures.negative_work_j.iter().all(|work| *work <= 0.0));
 
@@ -110,10 +110,10 @@ proptest! {
                 if state.motion != motion.motion {
                     continue;
                 }
-                let found = trajectory.torques_of(&state);
+                let actual = trajectory.torques_of(&state);
                 for j in 0..7 {
-                    prop_assert!(found.torque_nm[j].abs() <= 1.003 * torques.peak_nm[j].abs() + 0.05);
-                    prop_assert!(found.gravity_nm[j].abs() <= 1.003 * torques.static_nm[j].abs() + 0.05);
+                    prop_assert!(actual.torque_nm[j].abs() <= 1.003 * torques.peak_nm[j].abs() + 0.05);
+                    prop_assert!(actual.gravity_nm[j].abs() <= 1.003 * torques.static_nm[j].abs() + 0.05);
                 }
             }
             prop_assert!(torques.peak_at_s.iter().all(|t_s| *t_s >= motion.start_s || *t_s == 0.0));

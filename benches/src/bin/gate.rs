@@ -102,7 +102,7 @@ impl Workload {
     /// Upper bound on instructions, independent of the baseline: for inverse dynamics 2000 per pose
     /// one by one, and 1100 in a batch; with active torque limits, twice the time parameterisation
     /// without them.
-    fn most(self, counts: &BTreeMap<String, u64>) -> Option<u64> {
+    fn limit(self, counts: &BTreeMap<String, u64>) -> Option<u64> {
         match self {
             Self::Torques => Some(2_000_000),
             Self::TorquesBatch => Some(1_100_000),
@@ -131,9 +131,9 @@ impl Workload {
             }
             Self::ForwardBatch => {
                 let joints = poses(&robot, 1000);
-                let mut found = vec![Pose::IDENTITY; joints.len()];
+                let mut poses = vec![Pose::IDENTITY; joints.len()];
                 for _ in 0..runs {
-                    robot.flange_pose_batch(black_box(&joints), black_box(&mut found));
+                    robot.flange_pose_batch(black_box(&joints), black_box(&mut poses));
                 }
             }
             Self::Torques => {
@@ -144,18 +144,18 @@ impl Workload {
             }
             Self::TorquesBatch => {
                 let (joints, dynamics) = (poses(&robot, 1000), robot.dynamics());
-                let mut found = vec![[0.0; 7]; joints.len()];
+                let mut positions = vec![[0.0; 7]; joints.len()];
                 for _ in 0..runs {
-                    let at = black_box(&joints);
-                    dynamics.torques_batch(at, at, at, black_box(&mut found));
+                    let joints = black_box(&joints);
+                    dynamics.torques_batch(joints, joints, joints, black_box(&mut positions));
                 }
             }
             Self::PathTorques => {
                 let (joints, dynamics) = (poses(&robot, 1000), robot.dynamics());
-                let mut found = vec![PathTorques::default(); joints.len()];
+                let mut torques = vec![PathTorques::default(); joints.len()];
                 for _ in 0..runs {
-                    let at = black_box(&joints);
-                    dynamics.path_torques_batch(at, at, at, black_box(&mut found));
+                    let joints = black_box(&joints);
+                    dynamics.path_torques_batch(joints, joints, joints, black_box(&mut torques));
                 }
             }
             Self::TorqueLimits => plan_with_torque_limits(&robot, runs)?,
@@ -277,12 +277,12 @@ fn check() -> Result<ExitCode> {
         );
         return Ok(ExitCode::SUCCESS);
     };
-    let found = count()?;
+    let instructions = count()?;
     println!("Instructions, {level}. A growth above {:.0} % fails.\n", 100.0 * TOLERANCE);
     println!("| workload | baseline | now | change | |");
     println!("|---|---:|---:|---:|---|");
     let (mut grown, mut shrunk, mut missing) = (false, false, false);
-    for (name, &now) in &found.instructions {
+    for (name, &now) in &instructions.instructions {
         let Some(&before) = expected.instructions.get(name) else {
             println!("| {name} | none | {now} | | not checked |");
             missing = true;
@@ -302,14 +302,17 @@ fn check() -> Result<ExitCode> {
     }
     let mut is_above = false;
     for workload in Workload::ALL {
-        let now = found.instructions.get(workload.name());
-        if let (Some(now), Some(most)) = (now, workload.most(&found.instructions)) {
-            is_above |= *now > most;
-            println!("\n{}: {now} of at most {most}", workload.name());
+        let now = instructions.instructions.get(workload.name());
+        if let (Some(now), Some(limit)) = (now, workload.limit(&instructions.instructions)) {
+            is_above |= *now > limit;
+            println!("\n{}: {now} of at most {limit}", workload.name());
         }
     }
-    if expected.rustc != found.rustc {
-        println!("\nThe baseline is by {}, the figures are by {}.", expected.rustc, found.rustc);
+    if expected.rustc != instructions.rustc {
+        println!(
+            "\nThe baseline is by {}, the figures are by {}.",
+            expected.rustc, instructions.rustc
+        );
     }
     if is_above {
         println!("\nAbove what it may take: this growth cannot be renewed.");

@@ -15,7 +15,8 @@ pub(super) const STREAM: &str = "127.0.0.1:5561";
 #[derive(Args, Debug)]
 pub(crate) struct DriveAddress {
     /// Address for requests to the drive
-    #[arg(long, value_name = "HOST:PORT", default_value = DRIVE, env = "IIWASIM_DRIVE", hide_env = true)]
+    #[arg(long, value_name = "HOST:PORT", default_value = DRIVE, env = "IIWASIM_DRIVE",
+        hide_env = true)]
     pub(crate) drive: Endpoint,
 
     #[command(flatten)]

@@ -55,7 +55,8 @@ pub(crate) struct Answering {
     pub(crate) answers: Option<PathBuf>,
 
     /// Joints A1 to A7 in degrees at the start of the application [default: all 0]
-    #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true, help_heading = SUNRISE)]
+    #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true,
+        help_heading = SUNRISE)]
     pub(crate) start_deg: Option<[f64; 7]>,
 }
 

@@ -42,12 +42,14 @@ pub(crate) struct Bridge {
 
     /// Spool size per broker in MB: one hour of joints at 1 kHz needs 1200. If the spool is full,
     /// the oldest messages are dropped
-    #[arg(long, value_name = "MB", default_value_t = 1024, value_parser = whole::<u64, 64, 1_000_000>)]
+    #[arg(long, value_name = "MB", default_value_t = 1024,
+        value_parser = whole::<u64, 64, 1_000_000>)]
     pub(crate) spool_mb: u64,
 
     /// Format of joint messages; all other messages are JSON. `cdr` is ROS 2
     /// `sensor_msgs/JointState`
-    #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = ["json", "cdr", "protobuf"])]
+    #[arg(long, value_name = "FORMAT", default_value = "json",
+        value_parser = ["json", "cdr", "protobuf"])]
     pub(crate) joints: String,
 
     #[command(flatten)]
@@ -70,7 +72,8 @@ pub(crate) struct Bridge {
     pub(crate) robot: String,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
+        hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -107,7 +110,8 @@ pub(crate) struct Mqtt {
     pub(crate) broker: Option<String>,
 
     /// Version of the protocol: 3 (3.1.1) or 5
-    #[arg(long = "mqtt-version", value_name = "N", default_value_t = 5, value_parser = whole::<u8, 3, 5>)]
+    #[arg(long = "mqtt-version", value_name = "N", default_value_t = 5,
+        value_parser = whole::<u8, 3, 5>)]
     pub(crate) version: u8,
 
     /// Most messages of joints per second and robot; 0 for all
@@ -122,7 +126,8 @@ pub(crate) struct Mqtt {
     pub(crate) access: MqttAccess,
 
     /// Also be an edge node of Sparkplug B, with the robots as devices, in this group
-    #[arg(long, value_name = "GROUP", num_args = 0..=1, require_equals = true, default_missing_value = "iiwasim", requires = "broker")]
+    #[arg(long, value_name = "GROUP", num_args = 0..=1, require_equals = true,
+        default_missing_value = "iiwasim", requires = "broker")]
     pub(crate) sparkplug: Option<String>,
 }
 

@@ -26,7 +26,8 @@ pub(crate) struct OpcUa {
     pub(crate) host: Option<String>,
 
     /// User
-    #[arg(id = "opcua_user", long = "opcua-user", value_name = "NAME", requires_all = ["opcua_listen", "opcua_password_file"])]
+    #[arg(id = "opcua_user", long = "opcua-user", value_name = "NAME",
+        requires_all = ["opcua_listen", "opcua_password_file"])]
     pub(crate) user: Option<String>,
 
     /// File with the user's password

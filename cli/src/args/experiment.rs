@@ -83,7 +83,8 @@ pub(crate) struct Experiment {
     pub(crate) virtual_robot: Option<String>,
 
     /// Standard deviation of the virtual robot's measured joint positions, in rad
-    #[arg(long, value_name = "RAD", default_value_t = 1e-5, value_parser = noise, conflicts_with = "drive")]
+    #[arg(long, value_name = "RAD", default_value_t = 1e-5, value_parser = noise,
+        conflicts_with = "drive")]
     pub(crate) noise: f64,
 
     /// Sampling rate of the virtual robot, 50 to 10000 [default: 1000; 200 for cycle-time]
@@ -111,11 +112,13 @@ pub(crate) struct Experiment {
 
     /// Move the arm to the start of each program, at this share of the velocity limits, in per
     /// cent; 10 without a value
-    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero, requires = "drive")]
+    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true,
+        default_missing_value = "10", value_parser = percent_above_zero, requires = "drive")]
     pub(crate) move_to_start: Option<f64>,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
+        hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

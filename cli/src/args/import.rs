@@ -35,7 +35,8 @@ pub(crate) struct Import {
     pub(crate) answering: Box<Answering>,
 
     /// Import frames and tools even if the project has applications
-    #[arg(long, conflicts_with_all = ["application", "answer", "input", "data", "time", "tool", "answers", "start_deg", "fired", "flange_mm"])]
+    #[arg(long, conflicts_with_all = ["application", "answer", "input", "data", "time", "tool",
+        "answers", "start_deg", "fired", "flange_mm"])]
     pub(crate) frames: bool,
 
     /// Path of the program or frame file [default: APPLICATION.json or frames.json]

@@ -241,7 +241,8 @@ pub(crate) struct Run {
 
     /// First move to the start of the program in a straight line in joint space, at this share of
     /// the velocity limits, in per cent; 10 without a value
-    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = percent_above_zero)]
+    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true,
+        default_missing_value = "10", value_parser = percent_above_zero)]
     pub(crate) move_to_start: Option<f64>,
 
     /// Print the figures as one JSON object
@@ -261,7 +262,8 @@ pub(crate) struct Run {
     pub(crate) robot: Option<String>,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
+        hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -304,7 +306,8 @@ pub(crate) struct Record {
     pub(crate) robot: String,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
+        hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]
@@ -332,7 +335,8 @@ pub(crate) struct Status {
     pub(crate) watch: bool,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
+        hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

@@ -78,8 +78,9 @@ pub(crate) struct Ik {
         required_unless_present = "stdin",
         default_value = "",
         hide_default_value = true,
-        help = "The flange in the robot's foot, or the tool's TCP in the base: x_mm, y_mm, z_mm, a_deg, b_deg, c_deg \
-                (or a_rad, ...), and e1_deg, status and turn as on the robot; or the name of a frame of --program"
+        help = "The flange in the robot's foot, or the tool's TCP in the base: x_mm, y_mm, z_mm, \
+            a_deg, b_deg, c_deg (or a_rad, ...), and e1_deg, status and turn as on the robot; or \
+            the name of a frame of --program"
     )]
     pub(crate) frame: String,
 
@@ -139,7 +140,8 @@ pub(crate) struct Robot {
     pub(crate) ros: RosNaming,
 
     /// Check a URDF of the robot against the model; exit with code 3 if only its limits differ
-    #[arg(long, value_name = "FILE.urdf", requires = "model", conflicts_with_all = ["urdf", "json"])]
+    #[arg(long, value_name = "FILE.urdf", requires = "model",
+        conflicts_with_all = ["urdf", "json"])]
     pub(crate) check: Option<PathBuf>,
 
     /// Link of that URDF at the flange, if it is not the last one

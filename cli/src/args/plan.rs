@@ -69,7 +69,8 @@ pub(crate) struct Plan {
     /// instead of the program's value: motions that need more torque become slower. Programs that
     /// need less are not affected. No public source says that Sunrise plans with the payload
     /// [PERCENT: 1 to 1000, 100 if omitted]
-    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "100",
+    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true,
+        default_missing_value = "100",
         value_parser = torque_percent)]
     pub(crate) limit_torque: Option<f64>,
 
@@ -88,7 +89,8 @@ pub(crate) struct Plan {
 
     /// Samples per blend for --timing acceleration, 2 to 100000; more samples are more accurate and
     /// slower
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u32, 2, 100_000>, help_heading = METHOD)]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u32, 2, 100_000>,
+        help_heading = METHOD)]
     pub(crate) samples: u32,
 
     /// Also write the trajectory of a single program as a CSV table: time, motion, joint positions,

@@ -8,7 +8,8 @@ use serde::Deserialize;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct RosNaming {
     /// ROS package whose joint and link names are used
-    #[arg(long, value_enum, value_name = "PACKAGE", default_value_t = RosPackage::IiwaStack, env = "IIWASIM_ROS_NAMES", hide_env = true)]
+    #[arg(long, value_enum, value_name = "PACKAGE", default_value_t = RosPackage::IiwaStack,
+        env = "IIWASIM_ROS_NAMES", hide_env = true)]
     ros_names: RosPackage,
 
     /// Prefix of joint and link names instead of `iiwa` or `lbr`, for several robots in one ROS

@@ -16,7 +16,8 @@ use super::{
 #[derive(Args, Debug)]
 pub(crate) struct Stored {
     /// Kafka bootstrap brokers
-    #[arg(long = "kafka", value_name = "HOST:PORT", value_delimiter = ',', required = true, value_parser = address)]
+    #[arg(long = "kafka", value_name = "HOST:PORT", value_delimiter = ',', required = true,
+        value_parser = address)]
     pub(crate) brokers: Vec<String>,
 
     /// Start of the time range, such as 2026-11-25T08:00:00Z
@@ -59,11 +60,13 @@ pub(crate) struct Replay {
     pub(crate) speed: f64,
 
     /// Address for requests of clients
-    #[arg(long, value_name = "HOST:PORT", default_value = super::addresses::DRIVE, requires = "serve")]
+    #[arg(long, value_name = "HOST:PORT", default_value = super::addresses::DRIVE,
+        requires = "serve")]
     pub(crate) drive: Endpoint,
 
     /// Address of the stream
-    #[arg(long, value_name = "HOST:PORT", default_value = super::addresses::STREAM, requires = "serve")]
+    #[arg(long, value_name = "HOST:PORT", default_value = super::addresses::STREAM,
+        requires = "serve")]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

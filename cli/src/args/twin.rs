@@ -54,7 +54,8 @@ pub(crate) struct Twin {
 
     /// Also publish the robot to Foxglove and Lichtblick at this WebSocket address, 127.0.0.1:8765
     /// without a value. No token is needed: any program on this machine can connect, up to 16
-    #[arg(long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
+    #[arg(long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true,
+        default_missing_value = "127.0.0.1:8765")]
     pub(crate) foxglove: Option<SocketAddr>,
 
     #[command(flatten)]
@@ -65,7 +66,8 @@ pub(crate) struct Twin {
     pub(crate) robot: String,
 
     /// Address at which the drive publishes
-    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM", hide_env = true)]
+    #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
+        hide_env = true)]
     pub(crate) stream: Endpoint,
 
     #[command(flatten)]

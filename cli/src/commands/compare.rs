@@ -23,12 +23,12 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
         };
         Failure::input(format!("{}: {}{hint}", plan_file.display(), with_causes(&error)))
     })?;
-    let refuse = |error: &dyn std::error::Error| {
+    let to_failure = |error: &dyn std::error::Error| {
         Failure::input(format!("{}: {}", measured_file.display(), with_causes(error)))
     };
     let measured = input::recording(measured_file, options.log, Positions::Measured)?;
-    measured.check_robot(plan.robot()).map_err(|error| refuse(&error))?;
-    let comparison = iiwa_eval::compare(&plan, &measured).map_err(|error| refuse(&error))?;
+    measured.check_robot(plan.robot()).map_err(|error| to_failure(&error))?;
+    let comparison = iiwa_eval::compare(&plan, &measured).map_err(|error| to_failure(&error))?;
 
     if let Some(file) = &options.picture {
         let drawing = draw_comparison(&plan, &comparison)?;

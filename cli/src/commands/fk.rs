@@ -30,7 +30,7 @@ enum PoseLine {
 }
 
 /// Prints the poses for all joint positions on standard input; continues after invalid ones.
-fn many(place: &Workplace, json: bool) -> Result<(), Failure> {
+fn print_all(place: &Workplace, json: bool) -> Result<(), Failure> {
     if !json {
         output::print("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status,turn,error\n")?;
     }
@@ -51,7 +51,7 @@ fn many(place: &Workplace, json: bool) -> Result<(), Failure> {
             Err(error) => {
                 failed += 1;
                 let note = Failure::input(format!("standard input, line {number}: {error}"));
-                print_note(&format!("{}\n", note.what()));
+                print_note(&format!("{}\n", note.message()));
                 PoseLine::Error { error }
             }
         };
@@ -83,7 +83,7 @@ fn csv_line(answer: &PoseLine) -> String {
 pub(crate) fn run(options: &Fk) -> Result<(), Failure> {
     let place = Workplace::new(options.robot.as_deref(), &options.place)?;
     if options.joints.stdin {
-        return many(&place, options.json);
+        return print_all(&place, options.json);
     }
     let robot = &place.robot;
     let joints = options.joints.rad();

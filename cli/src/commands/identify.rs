@@ -37,21 +37,21 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
     }
     let recordings: Vec<_> =
         sources.iter().map(|Source { program, log, .. }| Recording { program, log }).collect();
-    let found = identify(&recordings, &model)
+    let identified = identify(&recordings, &model)
         .map_err(|error| Failure::input(format!("{}: {error}", sources[error.recording()].name)))?;
     let name = options.name.as_deref().unwrap_or(model.name());
     let logs: Vec<_> =
         sources.iter().map(|Source { name, log, .. }| (name.as_str(), log)).collect();
-    let report = IdentificationReport::new(&logs, name, &found, target);
+    let report = IdentificationReport::new(&logs, name, &identified, target);
     if report.is_empty() {
         let losses = report.first_losses().fold(String::new(), |text, loss| text + "; " + loss);
         return Err(Failure::input(format!(
-            "the recordings show no limit, no time to settle and no blend: `iiwasim experiment` has \
-             programs that do{losses}"
+            "the recordings show no limit, no time to settle and no blend: `iiwasim experiment` \
+             has programs that do{losses}"
         )));
     }
     if let Some(target) = target {
-        let robot = found.robot(&model).with_name(name);
+        let robot = identified.robot(&model).with_name(name);
         let profile = format!("{}\n", robot.to_profile());
         // A given name may be invalid in profiles.
         Robot::from_profile(&profile)
@@ -74,11 +74,11 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
     for path in &options.recordings {
         let name = path.display().to_string();
         let log = input::recording(path, options.log, Positions::Commanded)?;
-        let own = format!("{name}, its program.json");
+        let program_name = format!("{name}, its program.json");
         let source = match (&given, &log.program) {
             (Some(given), _) => given.source.clone(),
             (None, Some(text)) => ProgramSource::from_json(text)
-                .map_err(|error| Failure::program(&error, &own, text))?,
+                .map_err(|error| Failure::program(&error, &program_name, text))?,
             (None, None) => {
                 return Err(Failure::input(format!(
                     "{name} does not hold the program that was run; name it with --program{}",
@@ -93,17 +93,17 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
             })?;
             model = Some(match recorded {
                 Some(robot) => robot,
-                None => input::request(&source, None)?
-                    .robot(&source)
-                    .map_err(|error| Failure::program(&error, &own, source.text.as_read()))?,
+                None => input::request(&source, None)?.robot(&source).map_err(|error| {
+                    Failure::program(&error, &program_name, source.text.as_read())
+                })?,
             });
         }
         if let Some(model) = &model {
-            let refuse = |error: &dyn std::error::Error| {
+            let to_failure = |error: &dyn std::error::Error| {
                 Failure::input(format!("{name}: {}", with_causes(error)))
             };
-            log.check_robot(model).map_err(|error| refuse(&error))?;
-            log.check_motion().map_err(|error| refuse(&error))?;
+            log.check_robot(model).map_err(|error| to_failure(&error))?;
+            log.check_motion().map_err(|error| to_failure(&error))?;
         }
         sources.push(Source { name, program: source.program, log });
     }

@@ -39,7 +39,7 @@ struct SingularityAnswer {
 pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
     let place = Workplace::new(options.robot.as_deref(), &options.place)?;
     if options.stdin {
-        return many(&place, options);
+        return solve_all(&place, options);
     }
     let Solution { joints_rad, allowed_rad, turn } =
         solve(&place, options, &place.frame_named(&options.frame)?)?;
@@ -70,9 +70,9 @@ fn solve(place: &Workplace, options: &Ik, frame: &TargetRef) -> Result<Solution,
         .or(near.map(|near| near.status))
         .ok_or_else(|| missing("the status, 0 to 7,", "--status, by `status` in the frame"))?;
 
-    let allowed_rad = robot.allowed_e1(&flange, status).map_err(|error| refused(&error))?;
-    let unless = |what: &dyn std::error::Error| {
-        Failure::input(format!("{what}; {}", with_other_e1(&allowed_rad, status)))
+    let allowed_rad = robot.allowed_e1(&flange, status).map_err(|error| to_failure(&error))?;
+    let unless = |reason: &dyn std::error::Error| {
+        Failure::input(format!("{reason}; {}", with_other_e1(&allowed_rad, status)))
     };
     let joints_rad = robot.inverse(&flange, e1_rad, status).map_err(|error| unless(&error))?;
     robot.limits().check(&joints_rad).map_err(|error| unless(&error))?;
@@ -89,7 +89,7 @@ struct JointsLine {
 }
 
 /// Prints the joint positions for all frames on standard input; continues after unreachable ones.
-fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
+fn solve_all(place: &Workplace, options: &Ik) -> Result<(), Failure> {
     if !options.json {
         let names: Vec<_> = (1..=7).map(|joint| format!("joint_{joint}_deg")).collect();
         output::print(&format!("{},error\n", names.join(",")))?;
@@ -98,16 +98,16 @@ fn many(place: &Workplace, options: &Ik) -> Result<(), Failure> {
     for object in records() {
         let (number, object) = object?;
         frames += 1;
-        let found = object
+        let inverse = object
             .map_err(Failure::input)
             .and_then(|object| solve(place, options, &frame_of(object)?));
-        let answer = match found {
+        let answer = match inverse {
             Ok(Solution { joints_rad, .. }) => {
                 JointsLine { joints_deg: Some(joints_rad.map(f64::to_degrees)), error: None }
             }
             Err(failure) => {
                 failed += 1;
-                let error = failure.what();
+                let error = failure.message();
                 print_note(&format!("standard input, line {number}: {error}\n"));
                 JointsLine { error: Some(error), ..JointsLine::default() }
             }
@@ -144,11 +144,11 @@ fn csv_line(answer: &JointsLine) -> String {
     format!("{joints},{}\n", answer.error.as_deref().map(quoted).unwrap_or_default())
 }
 
-fn missing(what: &str, how: &str) -> Failure {
-    Failure::input(format!("{what} is not given: by {how}, or by --near"))
+fn missing(missing_value: &str, how: &str) -> Failure {
+    Failure::input(format!("{missing_value} is not given: by {how}, or by --near"))
 }
 
-fn refused(error: &dyn std::error::Error) -> Failure {
+fn to_failure(error: &dyn std::error::Error) -> Failure {
     Failure::input(error.to_string())
 }
 
@@ -174,10 +174,10 @@ fn ranges(of_rad: &[[f64; 2]]) -> String {
 /// Warns about a different turn. The turn does not select joint positions, but a difference may
 /// show that the frame is from another arm.
 fn check_turn(stated: Option<Turn>, joints_rad: &Joints) {
-    let found = Turn::of(joints_rad);
+    let actual = Turn::of(joints_rad);
     if let Some(stated) = stated.filter(|stated| !stated.agrees_with(joints_rad)) {
         print_note(&format!(
-            "Warning: the frame states turn {stated}, and these joints have turn {found}\n"
+            "Warning: the frame states turn {stated}, and these joints have turn {actual}\n"
         ));
     }
 }
@@ -191,7 +191,7 @@ fn print(
     let joints_deg = joints_rad.map(f64::to_degrees);
     let robot = &place.robot;
     let singularity = robot.singularity(joints_rad);
-    let (least, part) = singularity.nearest();
+    let (sigma, part) = singularity.nearest();
     let frame = place.frame(joints_rad);
     if json {
         let Singularity { shoulder, elbow, wrist } = singularity;
@@ -201,7 +201,7 @@ fn print(
             frame,
             allowed_e1_deg: allowed_rad.iter().map(|range| range.map(f64::to_degrees)).collect(),
             singularity: SingularityAnswer {
-                least,
+                least: sigma,
                 axis: part.to_string(),
                 shoulder,
                 elbow,
@@ -218,6 +218,6 @@ fn print(
     let _ = writeln!(text, "  deg");
     let _ = writeln!(text, "status     {}, turn {}", frame.status, frame.turn);
     let _ = writeln!(text, "E1         {} within limits", ranges(allowed_rad));
-    let _ = writeln!(text, "singular   {least:.4} ({part}; 0 in the singularity)");
+    let _ = writeln!(text, "singular   {sigma:.4} ({part}; 0 in the singularity)");
     output::print(&text)
 }

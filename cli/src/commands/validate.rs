@@ -15,13 +15,13 @@ pub(crate) fn run(options: &Validate) -> Result<(), Failure> {
     input.request.options = PlanOptions::with_timing(options.timing.with(SweepOptions::default()));
     let robot = input.robot()?;
     let log = input::recording(&options.recording, options.log, Positions::Commanded)?;
-    let refuse = |error: &dyn std::error::Error| {
+    let to_failure = |error: &dyn std::error::Error| {
         Failure::input(format!("{}: {}", options.recording.display(), with_causes(error)))
     };
-    log.check_robot(&robot).map_err(|error| refuse(&error))?;
+    log.check_robot(&robot).map_err(|error| to_failure(&error))?;
     let plan = input.plan()?;
     let comparison = iiwa_eval::compare(&Plan::from_trajectory(&plan.trajectory), &log)
-        .map_err(|error| refuse(&error))?;
+        .map_err(|error| to_failure(&error))?;
     let report = ValidationReport::new(
         [&options.recording, &options.program],
         &log,

@@ -23,7 +23,8 @@ fn the_robot_tells_of_itself() {
         rig.iiwasim("status", &[])
             .success()
             .stdout(starts_with(
-                "state          idle (a simulated robot)\nrobot          lbr_iiwa_7_r800 with a flange of 152 mm\njoints           0.000    0.000 ",
+                "state          idle (a simulated robot)\nrobot          lbr_iiwa_7_r800 with a \
+                 flange of 152 mm\njoints           0.000    0.000 ",
             ))
             .stdout(contains("monitoring_ready, quality").and(contains("robot program  connected")))
             .stderr(is_empty());
@@ -90,12 +91,12 @@ fn anybody_can_stop_the_robot() {
         let running = rig.begin("run", &[rig.slow_program()]);
         wait_for("motion", || rig.joint_1() > 0.2);
         rig.iiwasim("stop", &[]).success().stdout("The robot is at rest\n").stderr(is_empty());
-        let here = rig.joint_1();
-        assert!(here < 1.0);
+        let position = rig.joint_1();
+        assert!(position < 1.0);
         let ended = running.end().code(1);
         assert!(ended.stderr.contains("stopped on request at"), "{}", ended.stderr);
         rig.iiwasim("stop", &[]).success().stdout("The robot is at rest\n");
-        assert_eq!(rig.joint_1(), here);
+        assert_eq!(rig.joint_1(), position);
     });
 }
 
@@ -459,11 +460,11 @@ fn a_taken_address_is_named() {
     in_real_time(|| {
         let rig = Rig::parts();
         let taken = TcpListener::bind("127.0.0.1:0").unwrap();
-        let at = taken.local_addr().unwrap().to_string();
+        let address = taken.local_addr().unwrap().to_string();
         for command in ["drive", "cabinet"] {
-            let arguments = [command, "--instructions", &at, "--fri", &rig.fri];
+            let arguments = [command, "--instructions", &address, "--fri", &rig.fri];
             let ended = rig.start(&arguments).end().code(1);
-            let said = format!("Error: cannot listen at tcp://{at}: ");
+            let said = format!("Error: cannot listen at tcp://{address}: ");
             assert!(ended.stderr.contains(&said), "{}", ended.stderr);
             assert!(ended.stderr.contains("another port with --instruct"), "{}", ended.stderr);
         }

@@ -79,7 +79,7 @@ fn half_requests_neither_keep_pages_out_nor_stops() {
         newcomer.order("stop", json!({})).unwrap();
         let host = ("Host", address.host.as_str());
         let page = format!("/?token={}", address.token);
-        assert_eq!(address.ask(&page, &[host]).0, 200);
+        assert_eq!(address.get(&page, &[host]).0, 200);
 
         // The silent connections are closed, and the pages are not.
         for stream in &mut crowd {
@@ -100,7 +100,7 @@ fn strangers_take_no_place_of_pages() {
         let page = format!("/?token={}", address.token);
         // More connections than permitted of any kind, sequentially and concurrently.
         for _ in 0..200 {
-            assert_eq!(address.ask("/", &[host]).0, 403);
+            assert_eq!(address.get("/", &[host]).0, 403);
         }
         let mut pages = vec![address.page()];
         let live = format!("/live?token={}", address.token);
@@ -110,7 +110,7 @@ fn strangers_take_no_place_of_pages() {
             assert!(pages.len() < 100, "there is no end of pages");
         }
         assert_eq!(address.connect(&live, Some(&origin)).err().unwrap(), 503);
-        assert_eq!(address.ask(&page, &[host]).0, 200, "requests have places of their own");
+        assert_eq!(address.get(&page, &[host]).0, 200, "requests have places of their own");
         // All of them are served.
         for page in &mut pages {
             page.wait_for("health", |health| health["error"].is_string());

@@ -45,9 +45,9 @@ fn an_interrupt_stops_the_robot_on_its_path() {
             assert!(ended.stdout.contains("\nEnded after "), "{}", ended.stdout);
             assert!(!ended.stdout.contains("Measured"), "{}", ended.stdout);
             assert_cut(&rig, "cut.mcap");
-            let here = rig.joint_1();
+            let position = rig.joint_1();
             thread::sleep(Duration::from_millis(100));
-            assert_eq!((rig.joint_1(), here < 1.0), (here, true));
+            assert_eq!((rig.joint_1(), position < 1.0), (position, true));
             assert_eq!(rig.json("status", &[])["state"], "idle");
         }
         assert_works(&rig);

@@ -44,15 +44,15 @@ fn strangers_get_nothing_and_move_nothing() {
     rig.start_drive(&DRIVE);
     rig.wait_until_ready(&ALICE);
     let program = rig.slow_program();
-    for (who, keys, told) in STRANGERS {
+    for (who, keys, message) in STRANGERS {
         println!("{who}");
-        let ask = |command: &str, arguments: &[&str]| {
-            rig.iiwasim(command, &[arguments, keys].concat()).code(1).stderr(contains(told));
+        let try_command = |command: &str, arguments: &[&str]| {
+            rig.iiwasim(command, &[arguments, keys].concat()).code(1).stderr(contains(message));
         };
-        ask("status", &[]);
-        ask("io", &["set", "MediaFlange.LEDBlue", "true"]);
-        ask("run", &[program]);
-        ask("record", &["-o", "stolen.mcap", "--seconds", "30"]);
+        try_command("status", &[]);
+        try_command("io", &["set", "MediaFlange.LEDBlue", "true"]);
+        try_command("run", &[program]);
+        try_command("record", &["-o", "stolen.mcap", "--seconds", "30"]);
         assert!(!rig.path("stolen.mcap").exists() && !rig.path("slow.measured.mcap").exists());
     }
     for (who, keys, _) in STRANGERS {

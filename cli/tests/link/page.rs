@@ -35,7 +35,7 @@ impl Address {
     }
 
     /// Returns status and text of the answer to a request with these headers.
-    pub(crate) fn ask(&self, path: &str, headers: &[(&str, &str)]) -> (u16, String) {
+    pub(crate) fn get(&self, path: &str, headers: &[(&str, &str)]) -> (u16, String) {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(LONG)).unwrap();
         let mut lines = String::new();
@@ -161,17 +161,17 @@ impl Page {
     }
 
     /// Sends a request; the error is the reason for its rejection.
-    pub(crate) fn order(&mut self, what: &str, parameters: Value) -> Result<(), String> {
-        let id = self.begin(what, parameters);
+    pub(crate) fn order(&mut self, order: &str, parameters: Value) -> Result<(), String> {
+        let id = self.begin(order, parameters);
         self.answer(id)
     }
 
     /// Sends a request without waiting for the answer; returns its number.
-    pub(crate) fn begin(&mut self, what: &str, mut parameters: Value) -> u64 {
+    pub(crate) fn begin(&mut self, order: &str, mut parameters: Value) -> u64 {
         self.orders += 1;
         parameters["id"] = json!(self.orders);
-        parameters["do"] = json!(what);
-        self.say(&parameters.to_string());
+        parameters["do"] = json!(order);
+        self.send_text(&parameters.to_string());
         self.orders
     }
 
@@ -196,7 +196,7 @@ impl Page {
     }
 
     /// Sends any text.
-    pub(crate) fn say(&mut self, text: &str) {
+    pub(crate) fn send_text(&mut self, text: &str) {
         self.socket.send(Message::text(text)).unwrap();
     }
 
@@ -212,7 +212,7 @@ impl Page {
         while self.answers.iter().all(|answer| answer["id"] != 0) {
             self.take();
         }
-        let at = self.answers.iter().position(|answer| answer["id"] == 0).unwrap();
-        self.answers.remove(at)["error"].as_str().unwrap().to_owned()
+        let index = self.answers.iter().position(|answer| answer["id"] == 0).unwrap();
+        self.answers.remove(index)["error"].as_str().unwrap().to_owned()
     }
 }

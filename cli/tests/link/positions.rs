@@ -47,8 +47,8 @@ fn positions_become_a_program() {
             let why = page.order(order, wrong).unwrap_err();
             assert!(why.contains("name"), "{why}");
         }
-        let own = json!({ "position": all[2]["id"], "name": " too much " });
-        page.order("rename_position", own).unwrap();
+        let parameters = json!({ "position": all[2]["id"], "name": " too much " });
+        page.order("rename_position", parameters).unwrap();
         for (by, expected) in [
             (-1, ["P1", "too much", "<b>there</b>"]),
             (-5, ["too much", "P1", "<b>there</b>"]),
@@ -131,8 +131,8 @@ fn a_simulated_robot_is_turned_joint_by_joint() {
         page.order("jog", json!({ "joint": 3, "step_deg": 5 })).unwrap();
         page.order("jog", json!({ "joint": 1, "step_deg": -2.5 })).unwrap();
         let turned = |live: &Value, joint: usize, deg: f64| {
-            let at = |live: &Value| live["joints_rad"][joint].as_f64().unwrap().to_degrees();
-            (at(live) - at(&before) - deg).abs() < 0.01
+            let joint_deg = |live: &Value| live["joints_rad"][joint].as_f64().unwrap().to_degrees();
+            (joint_deg(live) - joint_deg(&before) - deg).abs() < 0.01
         };
         page.wait_for("live", |live| turned(live, 0, -2.5) && turned(live, 2, 5.0));
         for (joint, step_deg, why) in [
@@ -146,7 +146,7 @@ fn a_simulated_robot_is_turned_joint_by_joint() {
             let turn = json!({ "joint": joint, "step_deg": step_deg });
             match page.order("jog", turn) {
                 Ok(()) => assert_eq!(why, ""),
-                Err(found) => assert!(!why.is_empty() && found.contains(why), "{found}"),
+                Err(error) => assert!(!why.is_empty() && error.contains(why), "{error}"),
             }
         }
         // Jogging is rejected while a program runs.

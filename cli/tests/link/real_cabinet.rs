@@ -35,8 +35,9 @@ fn runs_are_timed_by_commanded_positions() {
         let rig = untimed_rig();
         let program = rig.slow_program();
         // 3.289 s including a settle time of 0.050 s.
-        let stated = "3\\.2[34][0-9] s from the first to the last change of the commanded positions, in \
-                      cycles of 5 ms; the plan has 3.239 s there, without 0.050 s of standing before and after";
+        let stated = "3\\.2[34][0-9] s from the first to the last change of the commanded \
+            positions, in cycles of 5 ms; the plan has 3.239 s there, without 0.050 s of standing \
+            before and after";
         rig.iiwasim("run", &[program])
             .success()
             .stdout(
@@ -117,8 +118,9 @@ fn the_connection_is_checked() {
         assert_eq!((&object["ok"], &object["steps"][0]["result"]), (&true.into(), &"ok".into()));
 
         let checked = rig.check_drive(&["--fri-cabinet", "127.0.0.2"]).code(1);
-        let told = "fails   FRI messages        they come from 127.0.0.1, expected 127.0.0.2: is 127.0.0.1 the controller? (--fri-cabinet)";
-        assert!(checked.stdout.contains(told), "{}", checked.stdout);
+        let expected = "fails   FRI messages        they come from 127.0.0.1, expected 127.0.0.2: \
+            is 127.0.0.1 the controller? (--fri-cabinet)";
+        assert!(checked.stdout.contains(expected), "{}", checked.stdout);
         assert!(checked.stderr.contains("the connection to the cabinet is not ready"));
     });
 }
@@ -170,8 +172,8 @@ fn a_low_override_and_t1_are_warned_of() {
         let run = rig.iiwasim("run", &[rig.slow_program(), "--no-output"]);
         done.store(true, Ordering::Relaxed);
         run.code(1).stderr(contains(
-            "Warning: the override is 30 %, and the operation mode is T1, which limits velocities: the program takes \
-             longer than planned",
+            "Warning: the override is 30 %, and the operation mode is T1, which limits velocities: \
+             the program takes longer than planned",
         ));
     });
 }

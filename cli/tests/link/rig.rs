@@ -65,8 +65,8 @@ impl Process {
 
     /// Checks the peak memory, ends the process with an interrupt, and checks its exit code.
     pub(crate) fn interrupt_below(self, memory_mb: u64) {
-        let found = self.memory_mb();
-        assert!(found.is_none_or(|found| found < memory_mb), "{found:?} MB");
+        let found_mb = self.memory_mb();
+        assert!(found_mb.is_none_or(|actual_mb| actual_mb < memory_mb), "{found_mb:?} MB");
         self.signal("INT");
         self.end().code(0);
     }
@@ -270,7 +270,8 @@ impl Rig {
 
     /// Starts the Python example; `None` without a Python interpreter.
     pub(crate) fn example(&self, keys: &[&str]) -> Option<Process> {
-        let [drive, stream] = [&self.instructions, &self.stream].map(|at| format!("tcp://{at}"));
+        let [drive, stream] =
+            [&self.instructions, &self.stream].map(|address| format!("tcp://{address}"));
         let addresses = ["--drive", &drive, "--stream", &stream];
         self.script("docs/client.py", &[&addresses, keys].concat())
     }
@@ -329,10 +330,10 @@ impl Rig {
 }
 
 /// Polls until the condition holds.
-pub(crate) fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
+pub(crate) fn wait_for(condition: &str, mut holds: impl FnMut() -> bool) {
     let since = Instant::now();
     while !holds() {
-        assert!(since.elapsed() < LONG, "no {what} within {LONG:?}");
+        assert!(since.elapsed() < LONG, "no {condition} within {LONG:?}");
         thread::sleep(Duration::from_millis(10));
     }
 }

@@ -54,9 +54,9 @@ fn only_the_page_itself_gets_in() {
         let (twin, address) = start(&rig, &[]);
         let Address { host, token } = &address;
         let good = format!("/?token={token}");
-        let own = format!("http://{host}");
+        let own_origin = format!("http://{host}");
 
-        let (status, page) = address.ask(&good, &[("Host", host)]);
+        let (status, page) = address.get(&good, &[("Host", host)]);
         assert_eq!(status, 200, "{page}");
         let head = page.split("\r\n\r\n").next().unwrap().to_lowercase();
         for header in
@@ -68,20 +68,20 @@ fn only_the_page_itself_gets_in() {
 
         let wrong = format!("/?token={}", "0".repeat(token.len()));
         for path in ["/", &wrong, "/files/plan.mcap", "/report.html", "/nothing", "/live"] {
-            assert_eq!(address.ask(path, &[("Host", host)]).0, 403, "{path}");
+            assert_eq!(address.get(path, &[("Host", host)]).0, 403, "{path}");
         }
         for name in ["evil.example", "evil.example:5562", "192.168.1.7"] {
-            assert_eq!(address.ask(&good, &[("Host", name)]).0, 403, "{name}");
+            assert_eq!(address.get(&good, &[("Host", name)]).0, 403, "{name}");
         }
         for origin in ["http://evil.example", "null", "http://127.0.0.1:1"] {
             assert_eq!(
-                address.ask(&good, &[("Host", host), ("Origin", origin)]).0,
+                address.get(&good, &[("Host", host), ("Origin", origin)]).0,
                 403,
                 "{origin}"
             );
         }
         assert_eq!(
-            address.ask(&format!("/files/plan.mcap?token={token}"), &[("Host", host)]).0,
+            address.get(&format!("/files/plan.mcap?token={token}"), &[("Host", host)]).0,
             404
         );
 
@@ -90,12 +90,12 @@ fn only_the_page_itself_gets_in() {
             (live.as_str(), None),
             (&live, Some("http://evil.example")),
             (&live, Some("null")),
-            ("/live", Some(own.as_str())),
-            ("/live?token=", Some(&own)),
+            ("/live", Some(own_origin.as_str())),
+            ("/live?token=", Some(&own_origin)),
         ] {
             assert_eq!(address.connect(path, origin).err().unwrap(), 403, "{path} from {origin:?}");
         }
-        address.connect(&live, Some(&own)).unwrap();
+        address.connect(&live, Some(&own_origin)).unwrap();
 
         // Other addresses of this machine are closed.
         let socket = UdpSocket::bind("0.0.0.0:0").unwrap();
@@ -234,20 +234,20 @@ const ODD: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0,
       "e1_deg": 0, "status": 2, "turn": 127 } }] }"#;
 
 #[test]
-fn what_cannot_be_sent_is_not() {
+fn invalid_programs_are_not_sent() {
     in_real_time(|| {
         let rig = Rig::new();
         let (_twin, address) = start(&rig, &["--scene", "scene.json", "--min-clearance", "0"]);
         let mut page = address.page();
         page.wait_for("live", |live| live["joints_rad"][0].is_number());
         let mut refused = |order: &str, parameters: Value, why: &str| {
-            let found = page.order(order, parameters).unwrap_err();
-            assert!(found.contains(why), "{found}");
+            let error = page.order(order, parameters).unwrap_err();
+            assert!(error.contains(why), "{error}");
         };
         refused("send", json!({ "plan": 1, "move_to_start": false }), "not the plan that is shown");
         let not_planned = |program: Value, why: &str| {
-            let found = address.load(&program).unwrap_err();
-            assert!(found.contains(why), "{found}");
+            let error = address.load(&program).unwrap_err();
+            assert!(error.contains(why), "{error}");
         };
         not_planned(
             json!({ "name": "bad.json", "text": "{\n  \"version\": 1,\n  oops" }),
@@ -292,7 +292,7 @@ fn what_cannot_be_sent_is_not() {
         page.order("send", json!({ "plan": plan["id"], "move_to_start": false })).unwrap_err();
         // Invalid requests do no harm.
         for text in ["", "[]", "{\"id\": 1}", "\u{0}"] {
-            page.say(text);
+            page.send_text(text);
             assert!(page.refusal().contains("not a valid request"));
         }
         page.order("send", json!({ "plan": newer["id"], "move_to_start": false })).unwrap();
@@ -372,8 +372,8 @@ fn a_drive_that_goes_and_comes_back_is_found_again() {
         page.wait_for("live", |live| live["joints_rad"][0].is_number());
         for _ in 0..2 {
             rig.drive.take().unwrap().signal("KILL");
-            let gone = page.wait_for("health", |health| health["error"].is_string());
-            assert_eq!((&gone["status"], &gone["sensors"]), (&Value::Null, &Value::Null));
+            let health = page.wait_for("health", |health| health["error"].is_string());
+            assert_eq!((&health["status"], &health["sensors"]), (&Value::Null, &Value::Null));
             // Before the last position is outdated, it can still be saved.
             thread::sleep(Duration::from_millis(1100));
             let refused = page.order("save_position", json!({ "name": "" })).unwrap_err();
@@ -465,10 +465,10 @@ fn folders_that_are_not_kept_go() {
 }
 
 #[test]
-fn what_cannot_be_followed_is_told() {
+fn robots_that_cannot_be_followed_are_reported() {
     in_real_time(|| {
         let rig = Rig::parts();
-        let told = |options: &[&str], code, why: &str| {
+        let assert_error = |options: &[&str], code, why: &str| {
             let ended = rig.begin("twin", options).end().code(code);
             assert!(ended.stderr.contains(why), "{}", ended.stderr);
         };
@@ -477,12 +477,12 @@ fn what_cannot_be_followed_is_told() {
             r#"{ "version": 1, "obstacles": [{ "name": "a", "type": "ball" }] }"#,
         )
         .unwrap();
-        told(&["--port", "0", "--scene", "bad.json"], 2, "line 1");
-        told(&["--port", "0", "--scene", "none.json"], 2, "none.json");
-        told(&["--port", "0", "--robot", "none"], 2, "no robot is called `none`");
+        assert_error(&["--port", "0", "--scene", "bad.json"], 2, "line 1");
+        assert_error(&["--port", "0", "--scene", "none.json"], 2, "none.json");
+        assert_error(&["--port", "0", "--robot", "none"], 2, "no robot is called `none`");
         let (twin, address) = start(&rig, &[]);
         let port = address.host.rsplit(':').next().unwrap().to_owned();
-        told(&["--port", &port], 1, "cannot listen at port");
+        assert_error(&["--port", &port], 1, "cannot listen at port");
         // Without a drive, the page shows this error.
         let health = address.page().wait_for("health", |health| health["error"].is_string());
         assert!(health["error"].as_str().unwrap().contains("no drive answers at tcp://127.0.0.1:"));
@@ -499,9 +499,10 @@ fn viewers_see_the_robot() {
         wait_for("address", || {
             twin.stderr().contains("open ws://") && twin.stderr().ends_with('\n')
         });
-        let told = twin.stderr();
-        let at = told.split_whitespace().find(|word| word.starts_with("ws://")).unwrap();
-        let Some(viewer) = rig.script("tests/foxglove/check.py", &[at, "--messages", "50"]) else {
+        let stderr = twin.stderr();
+        let address = stderr.split_whitespace().find(|word| word.starts_with("ws://")).unwrap();
+        let Some(viewer) = rig.script("tests/foxglove/check.py", &[address, "--messages", "50"])
+        else {
             return;
         };
         let program = rig.slow_program();

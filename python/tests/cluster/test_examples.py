@@ -108,6 +108,9 @@ def test_missing_packages_are_named(missing: str, module: str, said: str) -> Non
 
 def test_nothing_else_is_imported() -> None:
     """The package itself does not import Ray or Dask."""
-    script = "import iiwasim, sys; print(sorted({'ray', 'dask', 'pyarrow', 'pandas'} & set(sys.modules)))"
+    script = (
+        "import iiwasim, sys; print(sorted({'ray', 'dask', 'pyarrow', 'pandas'} & "
+        "set(sys.modules)))"
+    )
     done = run("-c", script)
     assert done.stdout == "[]\n"

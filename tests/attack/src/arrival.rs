@@ -49,7 +49,7 @@ mod linux {
                 MsgFlags::empty(),
             )?;
             let arrival = message.cmsgs()?.find_map(|part| match part {
-                ControlMessageOwned::ScmTimestampns(at) => Some(Duration::from(at)),
+                ControlMessageOwned::ScmTimestampns(timestamp) => Some(Duration::from(timestamp)),
                 _ => None,
             });
             let sender = message.address.map(|from| SocketAddrV4::from(from).into());
@@ -92,7 +92,7 @@ mod tests {
     fn a_datagram_has_the_time_at_which_it_came_and_not_that_at_which_it_is_read() {
         let bind = || UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let (from, to) = (bind(), bind());
-        let at = to.local_addr().unwrap();
+        let address = to.local_addr().unwrap();
         let to = TimedSocket::new(to);
         let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
         // A coarse kernel clock has steps of some milliseconds.
@@ -101,7 +101,7 @@ mod tests {
         // is returned.
         let is_noted = (0..100).any(|_| {
             let before = now();
-            from.send_to(b"abc", at).unwrap();
+            from.send_to(b"abc", address).unwrap();
             let after = now();
             thread::sleep(Duration::from_millis(30));
             let mut buffer = [0; 10];

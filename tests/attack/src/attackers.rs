@@ -86,16 +86,16 @@ impl Kind {
     }
 
     /// Starts the attack.
-    pub(super) fn start(self, at: &Addresses, size: &Size) -> Attack {
+    pub(super) fn start(self, addresses: &Addresses, size: &Size) -> Attack {
         let mut attack = Attack::default();
         match self {
             Self::SilentConnections => {
-                for to in at.ports() {
+                for to in addresses.ports() {
                     attack.hold(size.connections, move || open(to));
                 }
             }
             Self::HalfRequests => {
-                let to = at.twin;
+                let to = addresses.twin;
                 attack.hold(HALF_REQUESTS, move || {
                     let mut stream = open(to)?;
                     stream.write_all(b"GET /live HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Half: ")?;
@@ -104,10 +104,10 @@ impl Kind {
             }
             Self::SilentHandshakes => {
                 for (to, kind) in [
-                    (at.requests, "DEALER"),
-                    (at.stream, "SUB"),
-                    (at.cabinet_instructions, "DEALER"),
-                    (at.cabinet_state, "REP"),
+                    (addresses.requests, "DEALER"),
+                    (addresses.stream, "SUB"),
+                    (addresses.cabinet_instructions, "DEALER"),
+                    (addresses.cabinet_state, "REP"),
                 ] {
                     attack.hold(size.handshakes, move || {
                         Ok(Peer::connect(to, kind, HANDSHAKE_TIMEOUT)?.stream)
@@ -118,12 +118,12 @@ impl Kind {
                 let bodies = LONG_REQUEST_BYTES
                     .map(|bytes| [Arc::new(garbage(bytes)), Arc::new(trajectory(bytes))]);
                 for i in 0..LONG_REQUESTS {
-                    let (to, body) = (at.requests, Arc::clone(&bodies[i % 2][i / 2 % 2]));
+                    let (to, body) = (addresses.requests, Arc::clone(&bodies[i % 2][i / 2 % 2]));
                     attack.spawn(move |shutdown| long_requests(to, &body, shutdown));
                 }
             }
             Self::StalledSubscribers => {
-                let to = at.stream;
+                let to = addresses.stream;
                 attack.hold(STALLED_SUBSCRIBERS, move || {
                     let mut peer = Peer::connect(to, "SUB", HANDSHAKE_TIMEOUT)?;
                     peer.stream.write_all(&subscription(b""))?;
@@ -131,31 +131,31 @@ impl Kind {
                 });
             }
             Self::Topics => {
-                let (to, bytes) = (at.stream, size.topics);
+                let (to, bytes) = (addresses.stream, size.topics);
                 attack.spawn(move |shutdown| topics(to, bytes, shutdown));
             }
             Self::UnreadReplies => {
                 for _ in 0..UNREAD_CLIENTS {
-                    let to = at.requests;
+                    let to = addresses.requests;
                     attack.spawn(move |shutdown| unread_replies(to, shutdown));
                 }
             }
             Self::Pipelines => {
                 for _ in 0..CROWD {
-                    let to = at.requests;
+                    let to = addresses.requests;
                     attack.spawn(move |shutdown| pipeline(to, shutdown));
                 }
             }
             Self::Trickle => {
-                let to = at.requests;
+                let to = addresses.requests;
                 attack.spawn(move |shutdown| trickle(to, shutdown));
             }
             Self::Handshakes => {
-                let to = at.requests;
+                let to = addresses.requests;
                 attack.spawn(move |shutdown| handshakes(to, shutdown));
             }
             Self::Subscribers => {
-                let to = at.stream;
+                let to = addresses.stream;
                 attack.hold(CROWD, move || {
                     let mut peer = Peer::connect(to, "SUB", HANDSHAKE_TIMEOUT)?;
                     peer.stream.write_all(&subscription(b"state"))?;

@@ -33,9 +33,11 @@ pub(super) struct ErraticProgram {
 
 impl ErraticProgram {
     /// Starts sending states to all connections.
-    pub(super) fn start(at: &Addresses) -> Result<Self, Fault> {
-        let [instructions, state] =
-            [TcpListener::bind(at.cabinet_instructions)?, TcpListener::bind(at.cabinet_state)?];
+    pub(super) fn start(addresses: &Addresses) -> Result<Self, Fault> {
+        let [instructions, state] = [
+            TcpListener::bind(addresses.cabinet_instructions)?,
+            TcpListener::bind(addresses.cabinet_state)?,
+        ];
         let shutdown = Arc::new(AtomicBool::new(false));
         let states = Arc::new(AtomicU64::new(0));
         let count = Arc::clone(&states);

@@ -160,13 +160,13 @@ impl LoadPhase<'_> {
         let usage = Usage::begin(self.rig);
         // Attacks that exhaust quotas start last.
         let attacks: Vec<Attack> =
-            kinds.iter().rev().map(|kind| kind.start(&self.rig.at, size)).collect();
+            kinds.iter().rev().map(|kind| kind.start(&self.rig.addresses, size)).collect();
         // Waits until the attack has full effect.
         thread::sleep(Duration::from_secs(1));
         if kinds.iter().all(|kind| kind.is_subscriber()) {
             let attempts = self.attempt_trajectory()?;
             rows.push(Row {
-                what: format!("a trajectory beside {name}"),
+                quantity: format!("a trajectory beside {name}"),
                 required: "complete".to_owned(),
                 measured: match attempts {
                     Some(1) => "complete".to_owned(),
@@ -195,21 +195,21 @@ impl LoadPhase<'_> {
             let by_page = stops[0].count > stops[1].count;
             let begin = Instant::now();
             let result = if by_page { press(page.as_mut()) } else { self.command_stop()? };
-            let at = Instant::now();
-            let (at, well) = match result {
-                Ok(at) => (at, true),
+            let end = Instant::now();
+            let (end, well) = match result {
+                Ok(end) => (end, true),
                 Err(why) => {
                     let by = if by_page { "the twin's button" } else { "`iiwasim stop`" };
-                    let after = (at - begin).as_secs_f64();
+                    let after = (end - begin).as_secs_f64();
                     print(&format!("beside {name}: {by} failed after {after:.2} s: {why}"));
-                    (at, false)
+                    (end, false)
                 }
             };
-            let rest = self.rig.witness.last_move_before(at).map_or(begin, |rest| rest.max(begin));
+            let rest = self.rig.witness.last_move_before(end).map_or(begin, |rest| rest.max(begin));
             let stop = &mut stops[usize::from(by_page)];
             stop.count += 1;
             stop.failed += usize::from(!well);
-            stop.worst = stop.worst.max(at - rest);
+            stop.worst = stop.worst.max(end - rest);
             if run.wait(Duration::from_secs(2)).is_none() {
                 run.kill();
             }
@@ -231,7 +231,7 @@ impl LoadPhase<'_> {
         let reply = if self.rig.has_keys() { None } else { Some(self.rig.request(&body)) };
         let took = begin.elapsed();
         Ok(Row {
-            what: format!("a request of 1 MB beside {}", self.name),
+            quantity: format!("a request of 1 MB beside {}", self.name),
             required: format!("answered within {} s", scaled(DEADLINE).as_secs()),
             measured: match &reply {
                 None => "not tried with keys".to_owned(),
@@ -245,7 +245,7 @@ impl LoadPhase<'_> {
     /// Counts the messages that a new subscriber receives.
     fn stream(&self) -> Result<Row, Fault> {
         const TIME: Duration = Duration::from_secs(1);
-        let mut peer = Peer::connect(self.rig.at.stream, "SUB", HANDSHAKE_TIMEOUT)?;
+        let mut peer = Peer::connect(self.rig.addresses.stream, "SUB", HANDSHAKE_TIMEOUT)?;
         peer.stream.write_all(&subscription(b"joints"))?;
         let begin = Instant::now();
         let mut count = 0;
@@ -253,7 +253,7 @@ impl LoadPhase<'_> {
             count += 1;
         }
         Ok(Row {
-            what: format!("stream beside {}", self.name),
+            quantity: format!("stream beside {}", self.name),
             required: "10 messages within 1 s".to_owned(),
             measured: format!("{count} messages"),
             met: count >= 10,
@@ -264,7 +264,7 @@ impl LoadPhase<'_> {
     fn command_stop(&self) -> Result<Result<Instant, String>, Fault> {
         let mut stop = self.rig.client(&["stop"], false)?;
         Ok(match stop.wait(STOP_TIMEOUT) {
-            Some(ended) if ended.success => Ok(ended.at),
+            Some(ended) if ended.success => Ok(ended.instant),
             Some(_) => Err(stop.stderr().trim().to_owned()),
             None => Err("it has not ended in time".to_owned()),
         })
@@ -316,7 +316,7 @@ impl LoadPhase<'_> {
 fn press(page: Option<&mut WebSocket>) -> Result<Instant, String> {
     let page = page.ok_or("the page is not open")?;
     match page.stop(STOP_TIMEOUT) {
-        Ok((at, None)) => Ok(at),
+        Ok((end, None)) => Ok(end),
         Ok((_, Some(why))) => Err(why),
         Err(error) => Err(error.to_string()),
     }
@@ -328,7 +328,7 @@ fn stops_row(name: &str, stops: &[Stops; 2], begun: usize) -> Row {
     };
     let [command, button] = stops;
     Row {
-        what: format!("stop beside {name}"),
+        quantity: format!("stop beside {name}"),
         required: format!("answered within {:.1} s of rest", scaled(REPLY_DEADLINE).as_secs_f64()),
         measured: format!(
             "command: {}; twin's button: {}; {begun} motions begun",

@@ -9,17 +9,18 @@ use iiwasim_attack::{Options, Part, Scenario, run};
 fn main() -> ExitCode {
     match options() {
         Ok(options) => run(&options),
-        Err(what) => {
-            usage(&what);
+        Err(message) => {
+            usage(&message);
             ExitCode::from(2)
         }
     }
 }
 
 #[expect(clippy::print_stderr, reason = "a program says how it is used")]
-fn usage(what: &str) {
+fn usage(message: &str) {
     eprintln!(
-        "{what}\nusage: attack BINARY [stop|load|suspend|memory|all|pipelines|trickle|handshakes|subscribers|descriptors] \
+        "{message}\nusage: attack BINARY \
+         [stop|load|suspend|memory|all|pipelines|trickle|handshakes|subscribers|descriptors] \
          [--long] [--keys] [--shared] [--seed N]"
     );
 }

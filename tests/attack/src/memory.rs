@@ -35,7 +35,7 @@ pub(super) fn run(binary: &Path, keys: bool, extent: &MemoryExtent) -> Result<Ve
             make_last_run(&rig, extent.last_run)?;
         }
         let usage = Usage::begin(&rig);
-        let attack = kind.start(&rig.at, &extent.size);
+        let attack = kind.start(&rig.addresses, &extent.size);
         await_until(&usage, extent.time);
         let with_keys = if keys { ", with keys" } else { "" };
         rows.push(usage.row(&(kind.name(&extent.size) + with_keys), &mut rig));
@@ -64,7 +64,7 @@ fn make_last_run(rig: &Rig, duration: Duration) -> Result<(), Fault> {
 /// Runs a drive with an erratic robot program.
 fn erratic_program(binary: &Path, time: Duration) -> Result<Row, Fault> {
     let mut rig = Rig::new(binary, Parts::default())?;
-    let program = ErraticProgram::start(&rig.at)?;
+    let program = ErraticProgram::start(&rig.addresses)?;
     rig.start_drive()?;
     let since = Instant::now();
     while program.states() == 0 && since.elapsed() < Duration::from_secs(10) {

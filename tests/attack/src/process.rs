@@ -38,7 +38,7 @@ struct StandardError {
 
 /// End of a process.
 pub(super) struct Ended {
-    pub(super) at: Instant,
+    pub(super) instant: Instant,
     /// `true` for exit code 0.
     pub(super) success: bool,
 }
@@ -101,12 +101,12 @@ impl Process {
         let since = Instant::now();
         loop {
             if let Ok(Some(status)) = self.child.try_wait() {
-                let at = Instant::now();
+                let end = Instant::now();
                 // Read standard error to its end.
                 if let Some(reader) = self.reader.take() {
                     let _ = reader.join();
                 }
-                return Some(Ended { at, success: status.success() });
+                return Some(Ended { instant: end, success: status.success() });
             }
             if since.elapsed() > timeout {
                 return None;

@@ -2,7 +2,7 @@
 
 /// Row of the table.
 pub(super) struct Row {
-    pub(super) what: String,
+    pub(super) quantity: String,
     pub(super) required: String,
     pub(super) measured: String,
     pub(super) met: bool,
@@ -11,8 +11,8 @@ pub(super) struct Row {
 /// Formats the table as Markdown.
 pub(super) fn table(rows: &[Row]) -> String {
     let head = "| what | required | measured | |\n|---|---|---|---|\n".to_owned();
-    rows.iter().fold(head, |table, Row { what, required, measured, met }| {
+    rows.iter().fold(head, |table, Row { quantity, required, measured, met }| {
         let verdict = if *met { "met" } else { "**not met**" };
-        table + &format!("| {what} | {required} | {measured} | {verdict} |\n")
+        table + &format!("| {quantity} | {required} | {measured} | {verdict} |\n")
     })
 }

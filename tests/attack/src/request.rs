@@ -13,8 +13,8 @@ pub(super) struct PendingRequest {
 
 impl PendingRequest {
     /// Sends a request; the system has it when this returns.
-    pub(super) fn send(at: SocketAddr, request: &str) -> io::Result<Self> {
-        let mut peer = Peer::connect(at, "REQ", HANDSHAKE_TIMEOUT)?;
+    pub(super) fn send(address: SocketAddr, request: &str) -> io::Result<Self> {
+        let mut peer = Peer::connect(address, "REQ", HANDSHAKE_TIMEOUT)?;
         peer.send(&[b"", request.as_bytes()])?;
         Ok(Self { peer })
     }
@@ -28,8 +28,8 @@ impl PendingRequest {
 }
 
 /// Sends a request and waits for the reply.
-pub(super) fn request(at: SocketAddr, body: &str, timeout: Duration) -> io::Result<Value> {
-    PendingRequest::send(at, body)?.reply(timeout)
+pub(super) fn request(address: SocketAddr, body: &str, timeout: Duration) -> io::Result<Value> {
+    PendingRequest::send(address, body)?.reply(timeout)
 }
 
 /// Returns true if a reply is `ok`.

@@ -43,7 +43,7 @@ pub(super) struct Rig {
     pub(super) cabinet: Option<Process>,
     pub(super) drive: Option<Process>,
     pub(super) twin: Option<Process>,
-    pub(super) at: Addresses,
+    pub(super) addresses: Addresses,
     /// Address of the page, with its token.
     pub(super) page: String,
     pub(super) folder: TempDir,
@@ -89,7 +89,7 @@ impl Rig {
 
     /// Creates a rig without running programs.
     pub(super) fn new(binary: &Path, parts: Parts) -> Result<Self, Fault> {
-        let at = Addresses {
+        let addresses = Addresses {
             requests: free_address(),
             stream: free_address(),
             cabinet_instructions: free_address(),
@@ -98,11 +98,11 @@ impl Rig {
             twin: free_address(),
         };
         Ok(Self {
-            witness: Witness::start(at.fri)?,
+            witness: Witness::start(addresses.fri)?,
             cabinet: None,
             drive: None,
             twin: None,
-            at,
+            addresses,
             page: String::new(),
             folder: TempDir::new()?,
             binary: binary.to_owned(),
@@ -119,8 +119,8 @@ impl Rig {
         self.witness.forget();
         let mut arguments = named(&[
             ("--fri", self.witness.address),
-            ("--instructions", self.at.cabinet_instructions),
-            ("--state", self.at.cabinet_state),
+            ("--instructions", self.addresses.cabinet_instructions),
+            ("--state", self.addresses.cabinet_state),
         ]);
         if self.keys {
             arguments.extend(self.key_options(&[("--key", "cabinet.key"), ("--allow", "drives")]));
@@ -133,15 +133,15 @@ impl Rig {
     pub(super) fn start_drive(&mut self) -> Result<(), Fault> {
         self.drive = None;
         let mut arguments = named(&[
-            ("--instructions", self.at.requests),
-            ("--stream", self.at.stream),
-            ("--fri", self.at.fri),
+            ("--instructions", self.addresses.requests),
+            ("--stream", self.addresses.stream),
+            ("--fri", self.addresses.fri),
         ]);
-        for (name, at) in [
-            ("--cabinet-instructions", self.at.cabinet_instructions),
-            ("--cabinet-state", self.at.cabinet_state),
+        for (name, address) in [
+            ("--cabinet-instructions", self.addresses.cabinet_instructions),
+            ("--cabinet-state", self.addresses.cabinet_state),
         ] {
-            arguments.extend([name.to_owned(), at.port().to_string()]);
+            arguments.extend([name.to_owned(), address.port().to_string()]);
         }
         if self.keys {
             arguments.extend(self.key_options(&[
@@ -155,7 +155,7 @@ impl Rig {
     }
 
     fn start_twin(&mut self) -> Result<(), Fault> {
-        let mut arguments = vec!["--port".to_owned(), self.at.twin.port().to_string()];
+        let mut arguments = vec!["--port".to_owned(), self.addresses.twin.port().to_string()];
         // Prevents use of the user's own positions.
         let positions = self.folder.path().join("positions.json").display().to_string();
         arguments.extend(["--positions".to_owned(), positions]);
@@ -185,9 +185,9 @@ impl Rig {
     }
 
     fn client_options(&self, needs_stream: bool) -> Vec<String> {
-        let mut options = named(&[("--drive", self.at.requests)]);
+        let mut options = named(&[("--drive", self.addresses.requests)]);
         if needs_stream {
-            options.extend(named(&[("--stream", self.at.stream)]));
+            options.extend(named(&[("--stream", self.addresses.stream)]));
         }
         if self.keys {
             options
@@ -223,7 +223,7 @@ impl Rig {
     pub(super) fn status(&self) -> Option<Value> {
         const TIMEOUT: Duration = Duration::from_secs(3);
         if !self.keys {
-            return request(self.at.requests, r#"{"type": "state"}"#, TIMEOUT).ok();
+            return request(self.addresses.requests, r#"{"type": "state"}"#, TIMEOUT).ok();
         }
         let mut status = self.client(&["status", "--json"], false).ok()?;
         status.wait(TIMEOUT).filter(|ended| ended.success)?;
@@ -238,7 +238,7 @@ impl Rig {
 
     /// Returns the reply to a request, without keys.
     pub(super) fn request(&self, body: &str) -> io::Result<Value> {
-        request(self.at.requests, body, Duration::from_secs(30))
+        request(self.addresses.requests, body, Duration::from_secs(30))
     }
 
     /// Waits until FRI and the robot program are connected.
@@ -318,7 +318,7 @@ impl Rig {
     /// Connects like the page of the twin.
     pub(super) fn open_page(&self) -> Result<WebSocket, Fault> {
         let token = self.page.split_once("token=").ok_or("the twin's address has no token")?.1;
-        Ok(WebSocket::connect(self.at.twin, &format!("/live?token={}", token.trim()))?)
+        Ok(WebSocket::connect(self.addresses.twin, &format!("/live?token={}", token.trim()))?)
     }
 }
 
@@ -328,5 +328,5 @@ fn is_ready(status: &Value) -> bool {
 }
 
 fn named(options: &[(&str, SocketAddr)]) -> Vec<String> {
-    options.iter().flat_map(|(name, at)| [(*name).to_owned(), at.to_string()]).collect()
+    options.iter().flat_map(|(name, address)| [(*name).to_owned(), address.to_string()]).collect()
 }

@@ -104,10 +104,10 @@ impl Attempt {
             Phase::End => "the arm comes to its end",
         };
         match self {
-            Self::StopRequest(at) => format!("stop request while {}", phase(at)),
-            Self::StopCommand(at) => format!("`iiwasim stop` while {}", phase(at)),
+            Self::StopRequest(instant) => format!("stop request while {}", phase(instant)),
+            Self::StopCommand(instant) => format!("`iiwasim stop` while {}", phase(instant)),
             Self::Interrupt(Phase::Request) => "Ctrl-C as `run` starts".to_owned(),
-            Self::Interrupt(at) => format!("Ctrl-C to `run` while {}", phase(at)),
+            Self::Interrupt(instant) => format!("Ctrl-C to `run` while {}", phase(instant)),
             Self::ConnectionClosed => "client's connection lost before motion".to_owned(),
             Self::ClientKilled => "`iiwasim run` killed before motion".to_owned(),
             Self::DriveEnded(signal) => format!("drive ended by SIG{signal} before motion"),
@@ -148,7 +148,7 @@ impl Planning {
                 rig.await_idle()?;
                 let task = Task::motions(random, count as usize);
                 let since = Instant::now();
-                let _run = PendingRequest::send(rig.at.requests, &task.request())?;
+                let _run = PendingRequest::send(rig.addresses.requests, &task.request())?;
                 let start = rig
                     .witness
                     .await_move(since, Duration::from_secs(30))
@@ -180,12 +180,12 @@ impl Planning {
     fn count(self, time_s: f64) -> usize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
         let count = ((time_s - self.least_s[0]) / Self::each_s(self.least_s)).max(1.0) as usize;
-        count.min(MOST_MOTIONS)
+        count.min(MAX_MOTIONS)
     }
 }
 
 /// Largest number of motions per request.
-const MOST_MOTIONS: usize = 3000;
+const MAX_MOTIONS: usize = 3000;
 
 /// Sequence of attempts.
 pub(super) struct Rounds<'a> {
@@ -221,7 +221,7 @@ impl Rounds<'_> {
             _ => self.short_work(duration_s)?,
         };
         let since = Instant::now();
-        let run = PendingRequest::send(self.rig.at.requests, &task.request())?;
+        let run = PendingRequest::send(self.rig.addresses.requests, &task.request())?;
         let sent = Instant::now();
         match phase {
             Phase::Request => self.sleep(0.0..0.005),
@@ -243,13 +243,14 @@ impl Rounds<'_> {
         }
         let begin = Instant::now();
         let replied = stop(self.rig)?;
-        let reply = replied.map(|at| at - begin);
+        let reply = replied.map(|replied| replied - begin);
         let at_least = sent + self.planning.at_most(task.count());
-        let moved_after = replied.and_then(|at| self.moves_after(at, scaled(IN_FLIGHT), at_least));
+        let moved_after =
+            replied.and_then(|replied| self.moves_after(replied, scaled(IN_FLIGHT), at_least));
         // Nor may a pending run begin before the reply.
         let began = self.rig.witness.first_move_after(since);
         let began_after =
-            began.and_then(|at| at.checked_duration_since(begin + scaled(STOP_LATENCY)));
+            began.and_then(|began| began.checked_duration_since(begin + scaled(STOP_LATENCY)));
         let moved_after = began_after.map(|after| after + scaled(STOP_LATENCY)).or(moved_after);
         Ok(Outcome {
             reply,
@@ -283,12 +284,13 @@ impl Rounds<'_> {
         }
         let begin = Instant::now();
         run.signal("INT");
-        let ended = run.wait(STOP_TIMEOUT).map(|ended| ended.at);
-        let reply = ended.map(|at| at - begin);
+        let ended = run.wait(STOP_TIMEOUT).map(|ended| ended.instant);
+        let reply = ended.map(|ended| ended - begin);
         let late = reply.is_none_or(|reply| reply > scaled(REPLY_DEADLINE));
         // The arm must be at rest at the deadline, even if the process ends later.
-        let from = ended
-            .map_or(begin + scaled(REPLY_DEADLINE), |at| at.min(begin + scaled(REPLY_DEADLINE)));
+        let from = ended.map_or(begin + scaled(REPLY_DEADLINE), |ended| {
+            ended.min(begin + scaled(REPLY_DEADLINE))
+        });
         let at_least = begin + self.planning.at_most(task.count());
         let moved_after = self.moves_after(from, scaled(IN_FLIGHT), at_least);
         Ok(Outcome { reply, unanswered: late, moved_after, is_void: false })
@@ -297,7 +299,7 @@ impl Rounds<'_> {
     fn close_connection(&mut self) -> Result<Outcome, Fault> {
         let task = self.long_motions();
         let sent = Instant::now();
-        let run = PendingRequest::send(self.rig.at.requests, &task.request())?;
+        let run = PendingRequest::send(self.rig.addresses.requests, &task.request())?;
         self.sleep_before_motion(&task);
         let lost = Instant::now();
         drop(run);
@@ -318,7 +320,7 @@ impl Rounds<'_> {
     fn end_drive(&mut self, signal: &str) -> Result<Outcome, Fault> {
         let task = self.long_motions();
         let sent = Instant::now();
-        let run = PendingRequest::send(self.rig.at.requests, &task.request())?;
+        let run = PendingRequest::send(self.rig.addresses.requests, &task.request())?;
         self.sleep_before_motion(&task);
         let lost = Instant::now();
         if let Some(drive) = &self.rig.drive {
@@ -334,13 +336,13 @@ impl Rounds<'_> {
     fn kill_cabinet(&mut self) -> Result<Outcome, Fault> {
         let task = self.long_work();
         let sent = Instant::now();
-        let _run = PendingRequest::send(self.rig.at.requests, &task.request())?;
+        let _run = PendingRequest::send(self.rig.addresses.requests, &task.request())?;
         self.sleep(0.0..self.planning.expected_s(task.count()) + 0.5);
         // The stop is sent shortly before or after.
         let [stop_after, kill_after] =
             [(); 2].map(|()| Duration::from_secs_f64(0.05 * self.random.f64()));
         let down = Duration::from_secs_f64(0.3 * self.random.f64());
-        let requests = self.rig.at.requests;
+        let requests = self.rig.addresses.requests;
         let stop = thread::spawn(move || {
             thread::sleep(stop_after);
             let begin = Instant::now();
@@ -360,10 +362,10 @@ impl Rounds<'_> {
         // Losses with the cabinet must not delay the next stop.
         self.rig.await_ready()?;
         let motion = Task::one_motion(&self.position()?, 1.0);
-        let _run = PendingRequest::send(self.rig.at.requests, &motion.request())?;
+        let _run = PendingRequest::send(self.rig.addresses.requests, &motion.request())?;
         self.sleep(0.0..0.3);
         let begin = Instant::now();
-        let next = request_stop(self.rig).map(|at| at - begin);
+        let next = request_stop(self.rig).map(|instant| instant - begin);
         let next_late = next.is_none_or(|next| next > scaled(REPLY_DEADLINE));
         Ok(Outcome {
             reply: reply.max(next),
@@ -379,7 +381,7 @@ impl Rounds<'_> {
         let at_least = sent.max(lost) + self.planning.at_most(count);
         let moved_after = self.moves_after(lost, scaled(LOSS_LATENCY), at_least);
         let first = self.rig.witness.first_move_after(sent);
-        let is_void = first.is_some_and(|at| at <= noticed);
+        let is_void = first.is_some_and(|first| first <= noticed);
         Outcome { moved_after: moved_after.filter(|_| !is_void), is_void, ..Outcome::default() }
     }
 
@@ -388,7 +390,7 @@ impl Rounds<'_> {
     fn moves_after(&self, from: Instant, grace: Duration, at_least: Instant) -> Option<Duration> {
         let until = at_least.max(from + grace + Duration::from_millis(250));
         let left = until.saturating_duration_since(Instant::now());
-        self.rig.witness.await_move(from + grace, left).map(|at| at - from)
+        self.rig.witness.await_move(from + grace, left).map(|instant| instant - from)
     }
 
     fn start_run(&mut self, task: &Task) -> Result<Process, Fault> {
@@ -441,15 +443,15 @@ impl Rounds<'_> {
 
 /// Returns the time at which a raw stop got the reply `ok`.
 fn request_stop(rig: &Rig) -> Option<Instant> {
-    let reply = request(rig.at.requests, r#"{"type": "stop"}"#, STOP_TIMEOUT);
-    let at = Instant::now();
-    reply.is_ok_and(|reply| is_ok(&reply)).then_some(at)
+    let reply = request(rig.addresses.requests, r#"{"type": "stop"}"#, STOP_TIMEOUT);
+    let start = Instant::now();
+    reply.is_ok_and(|reply| is_ok(&reply)).then_some(start)
 }
 
 /// Returns the time at which `iiwasim stop` succeeded.
 fn command_stop(rig: &Rig) -> Result<Option<Instant>, Fault> {
     let mut stop = rig.client(&["stop"], false)?;
-    Ok(stop.wait(STOP_TIMEOUT).filter(|ended| ended.success).map(|ended| ended.at))
+    Ok(stop.wait(STOP_TIMEOUT).filter(|ended| ended.success).map(|ended| ended.instant))
 }
 
 /// Waits until `iiwasim run` prints its plan.

@@ -112,7 +112,7 @@ impl Tally {
             _ => format!("a reply within {s} s, no motion"),
         };
         Row {
-            what: attempt.name(),
+            quantity: attempt.name(),
             required,
             measured: parts.join(", "),
             met: self.unanswered + self.moved + self.failed == 0,

@@ -100,17 +100,16 @@ pub(super) fn run(binary: &Path, seed: u64, extent: &SuspendExtent) -> Result<Ve
         tally.rounds += 1;
         match outcome {
             Ok((recording, is_complete)) => {
-                let most = |samples: &[Sample], time: fn(&Sample) -> Duration| {
+                let max = |samples: &[Sample], time: fn(&Sample) -> Duration| {
                     let samples = samples.iter().map(|it| (time(it).as_secs_f64(), it.joints_rad));
                     strongest(&samples.collect::<Vec<_>>(), &limits)
                 };
-                let answers = most(&recording.answers, |it| it.stamp);
-                let by_stamps = most(&recording.commanded, |it| it.stamp);
+                let answers = max(&recording.answers, |it| it.stamp);
+                let by_stamps = max(&recording.commanded, |it| it.stamp);
                 tally.ended += usize::from(!is_complete);
                 tally.answers = tally.answers.max(answers);
                 tally.by_stamps = tally.by_stamps.max(by_stamps);
-                tally.by_arrival =
-                    tally.by_arrival.max(most(&recording.commanded, |it| it.arrival));
+                tally.by_arrival = tally.by_arrival.max(max(&recording.commanded, |it| it.arrival));
                 if by_stamps > BOUND {
                     print(&format!(
                         "round {round}: {} suspended: {answers:.2}, {by_stamps:.2} of the limit",
@@ -139,7 +138,7 @@ fn suspend(rig: &Rig, random: &mut Rng, victims: Victims) -> Result<(Recording, 
     let task = Task::trajectory(&from, duration_s);
     rig.witness.begin_recording();
     let since = Instant::now();
-    let run = PendingRequest::send(rig.at.requests, &task.request())?;
+    let run = PendingRequest::send(rig.addresses.requests, &task.request())?;
     rig.witness.await_move(since, Duration::from_secs(5)).ok_or("no motion begins")?;
     for _ in 0..random.usize(1..4) {
         thread::sleep(Duration::from_secs_f64(0.3 * duration_s * random.f64()));
@@ -177,11 +176,11 @@ impl SuspendTally {
         let failures =
             if *failed > 0 { format!(", {failed} could not be attempted") } else { String::new() };
         let measured = format!(
-            "{rounds} rounds: set-points {answers:.2}, positions {by_stamps:.2} (by times of arrival {by_arrival:.1}), {ended} \
-             runs ended early{failures}"
+            "{rounds} rounds: set-points {answers:.2}, positions {by_stamps:.2} (by times of \
+             arrival {by_arrival:.1}), {ended} runs ended early{failures}"
         );
         Row {
-            what: format!("trajectory, {} suspended and resumed", victims.name()),
+            quantity: format!("trajectory, {} suspended and resumed", victims.name()),
             required: format!(
                 "at most {BOUND} of the limits of acceleration, by the controller's stamps"
             ),
@@ -198,8 +197,8 @@ mod tests {
     #[test]
     fn the_acceleration_of_a_parabola_is_found_at_uneven_times() {
         let limits = [2.0; 7];
-        let at = |t: f64| (t, [0.0, -1.5 * t * t, 0.0, 0.0, 0.0, 0.0, 4.0 * t]);
-        let samples: Vec<_> = [0.0, 0.004, 0.012, 0.013, 0.02].map(at).to_vec();
+        let sample = |t: f64| (t, [0.0, -1.5 * t * t, 0.0, 0.0, 0.0, 0.0, 4.0 * t]);
+        let samples: Vec<_> = [0.0, 0.004, 0.012, 0.013, 0.02].map(sample).to_vec();
         assert!((strongest(&samples, &limits) - 1.5).abs() < 1e-9);
     }
 

@@ -45,13 +45,13 @@ impl Task {
         let distance_rad = inward(from[0]) * 0.04 * duration_s.powi(2).min(4.0);
         let steps = (0_u32..).take_while(|i| f64::from(*i) * 0.004 < duration_s - 0.002);
         let t_s: Vec<_> = steps.map(|i| f64::from(i) * 0.004).chain([duration_s]).collect();
-        let at = |t_s: &f64| {
+        let position = |t_s: &f64| {
             let s = t_s / duration_s;
             let mut joints = *from;
             joints[0] += distance_rad * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
             joints
         };
-        let joints_rad = t_s.iter().map(at).collect();
+        let joints_rad = t_s.iter().map(position).collect();
         Self::Trajectory(t_s, joints_rad)
     }
 
@@ -83,12 +83,12 @@ pub(super) fn program(from: &[f64; 7], motions: &[Value]) -> String {
 
 /// Returns a program that moves A1 back and forth for about this time.
 pub(super) fn there_and_back(from: &[f64; 7], duration: Duration) -> String {
-    let mut there = *from;
-    there[0] += inward(from[0]) * 0.25;
+    let mut target = *from;
+    target[0] += inward(from[0]) * 0.25;
     // One direction at a tenth of the velocity limit, with acceleration and settle time.
     let legs = (duration.as_millis() / 1600 + 1) as usize;
     let motion = |target| json!({ "type": "ptp", "joints_rad": target, "velocity_rel": 0.1 });
-    let motions: Vec<_> = [there, *from].into_iter().cycle().take(legs).map(motion).collect();
+    let motions: Vec<_> = [target, *from].into_iter().cycle().take(legs).map(motion).collect();
     program(from, &motions)
 }
 

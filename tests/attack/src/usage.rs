@@ -48,7 +48,7 @@ impl Usage {
         }
         parts.push(format!("{} in {:.0} s of logs", bytes(logged), elapsed.as_secs_f64()));
         Row {
-            what: format!("memory and logs beside {beside}"),
+            quantity: format!("memory and logs beside {beside}"),
             required: "150 MB each, 1 MB a minute".to_owned(),
             measured: parts.join(", "),
             met,

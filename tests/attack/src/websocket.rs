@@ -19,14 +19,14 @@ pub(super) struct WebSocket {
 
 impl WebSocket {
     /// Connects to a path with a token.
-    pub(super) fn connect(at: SocketAddr, path: &str) -> io::Result<Self> {
+    pub(super) fn connect(address: SocketAddr, path: &str) -> io::Result<Self> {
         const TIMEOUT: Duration = Duration::from_secs(5);
-        let mut stream = TcpStream::connect_timeout(&at, TIMEOUT)?;
+        let mut stream = TcpStream::connect_timeout(&address, TIMEOUT)?;
         stream.set_nodelay(true)?;
         stream.set_read_timeout(Some(TIMEOUT))?;
         stream.set_write_timeout(Some(TIMEOUT))?;
         let request = format!(
-            "GET {path} HTTP/1.1\r\nHost: {at}\r\nOrigin: http://{at}\r\nConnection: Upgrade\r\n\
+            "GET {path} HTTP/1.1\r\nHost: {address}\r\nOrigin: http://{address}\r\nConnection: Upgrade\r\n\
              Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
              Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
         );

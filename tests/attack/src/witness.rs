@@ -128,18 +128,18 @@ impl Witness {
     /// Returns the first motion after an instant.
     pub(super) fn first_move_after(&self, instant: Instant) -> Option<Instant> {
         let log = lock(&self.log);
-        log.moves.get(log.moves.partition_point(|at| *at <= instant)).copied()
+        log.moves.get(log.moves.partition_point(|moved| *moved <= instant)).copied()
     }
 
     /// Returns the last motion before an instant.
     pub(super) fn last_move_before(&self, instant: Instant) -> Option<Instant> {
         let log = lock(&self.log);
-        log.moves[..log.moves.partition_point(|at| *at <= instant)].last().copied()
+        log.moves[..log.moves.partition_point(|moved| *moved <= instant)].last().copied()
     }
 
     /// Returns true if the arm is at rest.
     pub(super) fn is_at_rest(&self) -> bool {
-        lock(&self.log).moves.last().is_none_or(|at| at.elapsed() > REST_TIME)
+        lock(&self.log).moves.last().is_none_or(|moved| moved.elapsed() > REST_TIME)
     }
 
     /// Waits for a motion after `since`; `None` on time-out.

@@ -1,4 +1,5 @@
-//! FRI datagrams, for both sides: alone, and as the frames of a session, with their lengths in front.
+//! FRI datagrams, for both sides: alone, and as the frames of a session, with their lengths in
+//! front.
 
 #![no_main]
 

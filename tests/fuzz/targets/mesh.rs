@@ -3,7 +3,9 @@
 #![no_main]
 
 use iiwa_kin::Robot;
-use iiwa_scene::{ArmInScene, ConvexHull, Form, Obstacle, Patch, Scene, ToolForm, ToolShape, TriangleMesh};
+use iiwa_scene::{
+    ArmInScene, ConvexHull, Form, Obstacle, Patch, Scene, ToolForm, ToolShape, TriangleMesh,
+};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|file: &[u8]| {
@@ -18,7 +20,8 @@ fuzz_target!(|file: &[u8]| {
     }
     let Ok(hull) = ConvexHull::from_mesh(name, bytes, 1.0) else { return };
     assert_eq!(hull.triangles().len(), 2 * hull.corners_m().len() - 4);
-    let form = Form::Box { center_m: [0.5, 0.1, 0.6], size_m: [0.2, 0.1, 0.4], rpy_rad: [0.1, 0.2, 0.3] };
+    let form =
+        Form::Box { center_m: [0.5, 0.1, 0.6], size_m: [0.2, 0.1, 0.4], rpy_rad: [0.1, 0.2, 0.3] };
     let scene = Scene::new(vec![Obstacle { name: "post".to_owned(), form }]).expect("a good scene");
     let tool = ToolForm::Mesh { hull, origin_m: [0.0; 3], rpy_rad: [0.0; 3] };
     let scene = scene.with_tool(vec![ToolShape { form: tool }]).expect("a good tool");

@@ -1,4 +1,5 @@
-//! The crates of others that the benches are held against find what ours find: the tests of the benches' own modules.
+//! The crates of others that the benches are held against find what ours find: the tests of the
+//! benches' own modules.
 
 #![expect(
     dead_code,

@@ -1,5 +1,5 @@
-//! The JSON Schemas against documents that the readers take and refuse, by the crate `jsonschema`. What the readers do with
-//! them is tested in their crates.
+//! The JSON Schemas against documents that the readers take and refuse, by the crate
+//! `jsonschema`. What the readers do with them is tested in their crates.
 
 mod messages;
 mod motions;

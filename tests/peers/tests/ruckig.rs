@@ -1,4 +1,5 @@
-//! Straight motions from rest to rest under limits of jerk, against ruckig: the implementation of the crate `rsruckig`.
+//! Straight motions from rest to rest under limits of jerk, against ruckig: the implementation of
+//! the crate `rsruckig`.
 
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
@@ -47,11 +48,11 @@ fn random_moves(count: usize) -> Vec<(Joints, Ptp)> {
     all.new_tree(&mut TestRunner::new(config)).unwrap().current()
 }
 
-/// Duration of ruckig's phase-synchronised motion, and how far it strays from the line as a share of
-/// the way.
+/// Duration of ruckig's phase-synchronised motion, and how far it strays from the line as a share
+/// of the way.
 fn ruckig(start: &Joints, ptp: &Ptp) -> (f64, f64) {
     let robot = MotionLimits::full(&Robot::lbr_iiwa_7_r800());
-    let of = |kind| {
+    let cases_of = |kind| {
         let (limit, share) = (robot.of(kind), ptp.share(kind));
         DataArrayOrVec::Stack(std::array::from_fn(|i| limit[i] * share[i]))
     };
@@ -59,9 +60,9 @@ fn ruckig(start: &Joints, ptp: &Ptp) -> (f64, f64) {
     input.synchronization = Synchronization::Phase;
     input.current_position = DataArrayOrVec::Stack(*start);
     input.target_position = DataArrayOrVec::Stack(ptp.target_rad);
-    input.max_velocity = of(LimitKind::Velocity);
-    input.max_acceleration = of(LimitKind::Acceleration);
-    input.max_jerk = of(LimitKind::Jerk);
+    input.max_velocity = cases_of(LimitKind::Velocity);
+    input.max_acceleration = cases_of(LimitKind::Acceleration);
+    input.max_jerk = cases_of(LimitKind::Jerk);
     let mut trajectory = RuckigTrajectory::new(None);
     Ruckig::<7, ThrowErrorHandler>::new(None, 1e-3).calculate(&input, &mut trajectory).unwrap();
     let duration_s = trajectory.get_duration();
@@ -71,8 +72,8 @@ fn ruckig(start: &Joints, ptp: &Ptp) -> (f64, f64) {
         let t_s = duration_s * f64::from(i) / 200.0;
         trajectory.at_time(t_s, &mut Some(&mut q), &mut None, &mut None, &mut None, &mut None);
         let shares = (0..7).map(|j| (q[j] - start[j]) / (ptp.target_rad[j] - start[j]));
-        let (least, most) = shares.fold((f64::MAX, f64::MIN), |(l, m), s| (l.min(s), m.max(s)));
-        astray = astray.max(most - least);
+        let (lowest, highest) = shares.fold((f64::MAX, f64::MIN), |(l, m), s| (l.min(s), m.max(s)));
+        astray = astray.max(highest - lowest);
     }
     (duration_s, astray)
 }
@@ -84,15 +85,15 @@ fn as_ruckig_does_where_it_stays_on_the_line() {
     let (mut stays, mut largest) = (0, 0.0_f64);
     for (start, ptp) in &moves {
         let (expected, astray) = ruckig(start, ptp);
-        let found = found_s(*start, ptp);
+        let actual_s = found_s(*start, ptp);
         if astray < 1e-6 {
             stays += 1;
-            let error = (found / expected - 1.0).abs();
-            assert!(error < 1e-6, "{found} s, ruckig {expected} s: {start:?} {ptp:?}");
+            let error = (actual_s / expected - 1.0).abs();
+            assert!(error < 1e-6, "{actual_s} s, ruckig {expected} s: {start:?} {ptp:?}");
             largest = largest.max(error);
         } else {
             // Off the line it is no slower than on it.
-            assert!(expected <= found * (1.0 + 1e-9), "{found} s, ruckig {expected} s");
+            assert!(expected <= actual_s * (1.0 + 1e-9), "{actual_s} s, ruckig {expected} s");
         }
     }
     println!("on the line: {stays} of {}, largest error {largest:e}", moves.len());

@@ -42,10 +42,10 @@ impl Grid {
         }
         for i in first..=intervals {
             let s = i as f64 / intervals as f64;
-            let at = segment.at(s);
+            let point = segment.at(s);
             self.sigma.push(start + s * tangent);
-            self.dq.push(at.dq.map(|v| v / tangent));
-            self.ddq.push(at.ddq.map(|v| v / (tangent * tangent)));
+            self.dq.push(point.dq.map(|v| v / tangent));
+            self.ddq.push(point.ddq.map(|v| v / (tangent * tangent)));
             self.velocity.push(*limits.velocity_rad_s());
             self.acceleration.push(*limits.acceleration_rad_s2());
         }
@@ -103,10 +103,14 @@ fn durations_equal_those_of_topp_ra() {
         let path = JointPath::new(&case.program, &Robot::lbr_iiwa_7_r800()).unwrap();
         let intervals = if case.id == 8 { MANY_INTERVALS } else { INTERVALS };
         let timing = Timing::Acceleration(SweepOptions { samples: intervals });
-        let found = Trajectory::plan(&path, timing).unwrap().motion_time_s();
+        let actual_s = Trajectory::plan(&path, timing).unwrap().motion_time_s();
         let expected = topp_ra_s(&path, intervals);
-        let difference = found / expected - 1.0;
-        println!("program {:2}: {found:.6} s, TOPP-RA {expected:.6} s, {difference:+.2e}", case.id);
+        let difference = actual_s / expected - 1.0;
+        println!(
+            "program {:2}: {actual_s:.6} s, TOPP-RA {expected:.6} s, \
+            {difference:+.2e}",
+            case.id
+        );
         worst = worst.max(difference.abs());
     }
     assert!(worst < 1e-4, "{worst:e}");

@@ -1,5 +1,5 @@
-//! URDF against independent readers: `urdf-rs` for the text, `k` for the kinematics. Files that the readers disagree about
-//! are in `urdf_cases`.
+//! URDF against independent readers: `urdf-rs` for the text, `k` for the kinematics. Files that the
+//! readers disagree about are in `urdf_cases`.
 
 #[path = "../../../crates/core/iiwa-kin/tests/urdf_examples.rs"]
 mod urdf_examples;
@@ -32,10 +32,10 @@ fn assert_links_are_found(robot: &Robot, urdf: &str, names: &[String], count: us
         let links = robot.link_poses(&q);
         assert_eq!(links[8], robot.flange_pose(&q));
         for (link, expected) in names.iter().zip(&links) {
-            let found = chain.find_link(link).unwrap().world_transform().unwrap();
-            let rotation = found.rotation.to_rotation_matrix();
+            let actual = chain.find_link(link).unwrap().world_transform().unwrap();
+            let rotation = actual.rotation.to_rotation_matrix();
             for i in 0..3 {
-                let apart = found.translation.vector[i] - expected.position_m[i];
+                let apart = actual.translation.vector[i] - expected.position_m[i];
                 assert!(apart.abs() < 1e-12, "{link}: {apart} m");
                 for c in 0..3 {
                     let apart = rotation[(i, c)] - expected.rotation[i][c];

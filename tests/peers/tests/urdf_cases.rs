@@ -135,7 +135,8 @@ const BOTH_REFUSE: &[Case] = &[
     ),
 ];
 
-/// Files that only `urdf-rs` reads: it drops what it cannot read, or leaves the check to its caller.
+/// Files that only `urdf-rs` reads: it drops what it cannot read, or leaves the check to its
+/// caller.
 const ONLY_THEIRS_READS: &[Case] = &[
     case("0 0 0.4\"", "0 0 0.4 m\"", Ours::Refuses("xyz is \"0 0 0.4 m\""), Theirs::Same),
     case("0 0 0.4\"", "0, 0 0 0.4\"", Ours::Refuses("xyz is \"0, 0 0 0.4\""), Theirs::Same),
@@ -302,16 +303,16 @@ const ONLY_OURS_READS: &[Case] = &[
     case("</robot>", "<material/></robot>", Ours::Same, Theirs::Refuses("missing field `name`")),
 ];
 
-/// The file with the edit, at the first `old` from joint 4 on or else at the first one in the file; and the lines of the
-/// edit and of joint 4.
+/// The file with the edit, at the first `old` from joint 4 on or else at the first one in the file;
+/// and the lines of the edit and of joint 4.
 fn edited(case: &Case) -> (String, [usize; 2]) {
     let Case { old, new, .. } = case;
     let good = Robot::default().to_urdf();
     let joint = good.find("name=\"iiwa_joint_4\"").unwrap();
-    let behind = good[joint..].find(old).map(|at| joint + at);
-    let at = behind.or_else(|| good.find(old)).unwrap();
-    let text = format!("{}{new}{}", &good[..at], &good[at + old.len()..]);
-    let lines = [at, joint].map(|end| good[..end].matches('\n').count() + 1);
+    let behind = good[joint..].find(old).map(|offset| joint + offset);
+    let offset = behind.or_else(|| good.find(old)).unwrap();
+    let text = format!("{}{new}{}", &good[..offset], &good[offset + old.len()..]);
+    let lines = [offset, joint].map(|end| good[..end].matches('\n').count() + 1);
     (text, lines)
 }
 
@@ -321,7 +322,7 @@ fn content(robot: &urdf_rs::Robot) -> String {
 }
 
 fn lacking(report: &UrdfReport) -> Vec<&'static str> {
-    report.limits.iter().filter(|found| found.urdf.is_none()).map(|found| found.limit).collect()
+    report.limits.iter().filter(|limit| limit.urdf.is_none()).map(|limit| limit.limit).collect()
 }
 
 #[track_caller]
@@ -394,8 +395,8 @@ fn a_version_without_a_dot_is_read_differently() {
     let turned = |version: &str| {
         let good = Robot::default().to_urdf();
         let start = good.find("\"iiwa_joint_ee\"").unwrap();
-        let at = start + good[start..].find("rpy=\"0 0 0\"").unwrap();
-        let text = format!("{}quat_xyzw=\"0 0 1 0\"{}", &good[..at], &good[at + 11..]);
+        let offset = start + good[start..].find("rpy=\"0 0 0\"").unwrap();
+        let text = format!("{}quat_xyzw=\"0 0 1 0\"{}", &good[..offset], &good[offset + 11..]);
         text.replacen("<robot ", &format!("<robot version='{version}' "), 1)
     };
     for (version, theirs) in [("1.0", false), ("1.1", true), ("2", false)] {

@@ -1,5 +1,5 @@
-//! The server for Foxglove and Lichtblick against the library of their SDK. Without a twin: tests choose the times and
-//! publish more than any robot does.
+//! The server for Foxglove and Lichtblick against the library of their SDK. Without a twin: tests
+//! choose the times and publish more than any robot does.
 
 mod peer;
 mod viewer;
@@ -37,8 +37,8 @@ fn at(since: Duration) -> SystemTime {
     UNIX_EPOCH + Duration::from_millis(1_800_000_000_500) + since
 }
 
-fn since_1970(at: SystemTime) -> Duration {
-    at.duration_since(UNIX_EPOCH).unwrap()
+fn since_1970(time: SystemTime) -> Duration {
+    time.duration_since(UNIX_EPOCH).unwrap()
 }
 
 fn nanoseconds(t: Duration) -> u64 {
@@ -300,7 +300,7 @@ fn viewers_only_read() {
 }
 
 #[test]
-fn what_a_viewer_gets_wrong_it_is_told() {
+fn viewers_receive_errors() {
     let viewers = listen();
     let mut viewer = subscriber(&viewers, &["/tf"]);
     let subscribe = |id: u64, channel: u64| json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": channel }] });
@@ -353,11 +353,11 @@ fn a_page_that_speaks_another_protocol_is_refused() {
 fn an_address_in_use_is_reported() {
     let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     let address = taken.local_addr().unwrap();
-    let what = Viewers::listen(&Robot::default(), &RosNames::default(), address)
+    let error = Viewers::listen(&Robot::default(), &RosNames::default(), address)
         .err()
         .unwrap()
         .to_string();
-    assert!(what.starts_with(&format!("cannot listen for viewers at {address}: ")), "{what}");
+    assert!(error.starts_with(&format!("cannot listen for viewers at {address}: ")), "{error}");
 }
 
 #[test]

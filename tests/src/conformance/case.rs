@@ -182,7 +182,10 @@ pub(super) fn files() -> Vec<(String, Vec<ConformanceCase>)> {
     for path in paths.into_iter().filter(|path| is_list(path)) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let text = fs::read_to_string(&path).expect("a text");
-        files.push((name.clone(), cases(&text).unwrap_or_else(|what| panic!("{name}: {what}"))));
+        files.push((
+            name.clone(),
+            cases(&text).unwrap_or_else(|message| panic!("{name}: {message}")),
+        ));
     }
     files
 }

@@ -2,37 +2,37 @@
 
 use serde_json::{Map, Value};
 
-/// Describes the difference between `found` and a pattern; `None` if it matches. `found` is `None`
-/// for an absent key.
+/// Describes the difference between `actual` and a pattern; `None` if it matches. `actual` is
+/// `None` for an absent key.
 #[must_use]
-pub fn mismatch(pattern: &Value, found: Option<&Value>) -> Option<String> {
+pub fn mismatch(pattern: &Value, actual: Option<&Value>) -> Option<String> {
     let differs = |expected: &dyn std::fmt::Display| {
-        let found = found.map_or_else(|| "nothing".to_owned(), Value::to_string);
-        Some(format!("{found} instead of {expected}"))
+        let shown = actual.map_or_else(|| "nothing".to_owned(), Value::to_string);
+        Some(format!("{shown} instead of {expected}"))
     };
-    match (pattern, found) {
+    match (pattern, actual) {
         (Value::Null, None | Some(Value::Null)) => None,
         (Value::Object(object), _) if object.keys().any(|key| key.starts_with('$')) => {
-            (!is_one(object, found)).then(|| differs(pattern)).flatten()
+            (!is_one(object, actual)).then(|| differs(pattern)).flatten()
         }
-        (Value::Object(keys), Some(Value::Object(found))) => keys
+        (Value::Object(keys), Some(Value::Object(object))) => keys
             .iter()
-            .find_map(|(key, pattern)| Some((key, mismatch(pattern, found.get(key))?)))
-            .map(|(key, what)| format!("{key}: {what}")),
-        (Value::Array(patterns), Some(Value::Array(found))) => {
-            if patterns.len() != found.len() {
-                return Some(format!("{} elements instead of {}", found.len(), patterns.len()));
+            .find_map(|(key, pattern)| Some((key, mismatch(pattern, object.get(key))?)))
+            .map(|(key, message)| format!("{key}: {message}")),
+        (Value::Array(patterns), Some(Value::Array(values))) => {
+            if patterns.len() != values.len() {
+                return Some(format!("{} elements instead of {}", values.len(), patterns.len()));
             }
-            let mut both = (0..).zip(patterns.iter().zip(found));
-            both.find_map(|(i, (pattern, found))| Some((i, mismatch(pattern, Some(found))?)))
-                .map(|(i, what): (usize, String)| format!("{i}: {what}"))
+            let mut both = (0..).zip(patterns.iter().zip(values));
+            both.find_map(|(i, (pattern, value))| Some((i, mismatch(pattern, Some(value))?)))
+                .map(|(i, message): (usize, String)| format!("{i}: {message}"))
         }
-        (Value::Number(expected), Some(Value::Number(found))) => {
-            let same = expected == found
-                || expected.as_f64() == found.as_f64() && !is_whole(expected, found);
+        (Value::Number(expected), Some(Value::Number(number))) => {
+            let same = expected == number
+                || expected.as_f64() == number.as_f64() && !is_whole(expected, number);
             (!same).then(|| differs(pattern)).flatten()
         }
-        (_, Some(found)) if pattern == found => None,
+        (_, Some(value)) if pattern == value => None,
         _ => differs(pattern),
     }
 }
@@ -42,23 +42,23 @@ fn is_whole(a: &serde_json::Number, b: &serde_json::Number) -> bool {
     [a, b].iter().all(|number| number.is_u64() || number.is_i64())
 }
 
-/// Returns true if `found` matches a pattern with one key such as `$has`.
-fn is_one(pattern: &Map<String, Value>, found: Option<&Value>) -> bool {
-    let text = found.and_then(Value::as_str);
+/// Returns true if `actual` matches a pattern with one key such as `$has`.
+fn is_one(pattern: &Map<String, Value>, actual: Option<&Value>) -> bool {
+    let text = actual.and_then(Value::as_str);
     let contains = |part: &Value| match (text, part.as_str()) {
         (Some(text), Some(part)) => text.contains(part),
         _ => false,
     };
     pattern.len() == 1
         && pattern.iter().all(|(kind, argument)| match kind.as_str() {
-            "$any" => found.is_some(),
-            "$absent" => found.is_none(),
+            "$any" => actual.is_some(),
+            "$absent" => actual.is_none(),
             "$has" => contains(argument),
             "$has_any" => argument.as_array().is_some_and(|parts| parts.iter().any(contains)),
             "$between" => {
                 let bound = |i: usize| argument.get(i).and_then(Value::as_f64);
-                match (bound(0), found.and_then(Value::as_f64), bound(1)) {
-                    (Some(low), Some(found), Some(high)) => (low..=high).contains(&found),
+                match (bound(0), actual.and_then(Value::as_f64), bound(1)) {
+                    (Some(low), Some(number), Some(high)) => (low..=high).contains(&number),
                     _ => false,
                 }
             }
@@ -73,8 +73,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn patterns_match_what_they_say() {
-        let found = json!({"seq": 7, "error": {"code": "robot", "message": "stopped on request"},
+    fn patterns_match_as_documented() {
+        let message = json!({"seq": 7, "error": {"code": "robot", "message": "stopped on request"},
             "io": [1.0, null, "x"], "big": u64::MAX});
         for (pattern, matches) in [
             (json!({}), true),
@@ -101,8 +101,8 @@ mod tests {
             (json!({"big": u64::MAX - 1}), false),
             (json!([]), false),
         ] {
-            let what = mismatch(&pattern, Some(&found));
-            assert_eq!(what.is_none(), matches, "{pattern}: {what:?}");
+            let difference = mismatch(&pattern, Some(&message));
+            assert_eq!(difference.is_none(), matches, "{pattern}: {difference:?}");
         }
     }
 }

@@ -42,7 +42,7 @@ impl ZmqPeer {
     #[must_use]
     pub fn connect(instructions: &str, state: &str) -> Self {
         let [instructions, state] = [instructions, state]
-            .map(|at| Socket::connect(SocketType::Dealer, at).expect("an address"));
+            .map(|address| Socket::connect(SocketType::Dealer, address).expect("an address"));
         Self { instructions, state }
     }
 }

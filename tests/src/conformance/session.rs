@@ -50,7 +50,7 @@ impl<P: DrivePeer> Session<P> {
         self.acknowledge = Acknowledge::Yes;
         self.states.clear();
         for (number, step) in (1..).zip(&case.steps) {
-            self.step(step).map_err(|what| format!("step {number}: {what}"))?;
+            self.step(step).map_err(|message| format!("step {number}: {message}"))?;
         }
         self.acknowledge = Acknowledge::Yes;
         self.receive(Duration::ZERO)?;
@@ -118,8 +118,8 @@ impl<P: DrivePeer> Session<P> {
             let answer = self.answers.pop_front().ok_or("no answer")?;
             let fits = |pattern: &&Value| mismatch(pattern, Some(&answer)).is_none();
             let Some(place) = open.iter().position(fits) else {
-                let what = mismatch(open[0], Some(&answer)).unwrap_or_default();
-                return Err(format!("{what}, in {}", shortened(&answer)));
+                let difference = mismatch(open[0], Some(&answer)).unwrap_or_default();
+                return Err(format!("{difference}, in {}", shortened(&answer)));
             };
             open.remove(place);
         }
@@ -132,8 +132,8 @@ impl<P: DrivePeer> Session<P> {
         let mut last = None;
         loop {
             while let Some(state) = self.states.pop_front() {
-                let Some(what) = mismatch(pattern, Some(&state)) else { return Ok(()) };
-                last = Some(format!("{what}, in {}", shortened(&state)));
+                let Some(difference) = mismatch(pattern, Some(&state)) else { return Ok(()) };
+                last = Some(format!("{difference}, in {}", shortened(&state)));
             }
             let left = end.saturating_duration_since(Instant::now());
             if !self.wait(left, |session| !session.states.is_empty())? {
@@ -164,7 +164,7 @@ impl<P: DrivePeer> Session<P> {
             match incoming {
                 Incoming::Answer(frames) => match message(&frames).and_then(checked_answer) {
                     Ok(answer) => self.answers.push_back(answer),
-                    Err(what) => self.wrong = Some(format!("of an answer, {what}")),
+                    Err(error) => self.wrong = Some(format!("of an answer, {error}")),
                 },
                 Incoming::State(frames) => {
                     match self.acknowledge {
@@ -177,7 +177,7 @@ impl<P: DrivePeer> Session<P> {
                             self.latest = state.clone();
                             self.states.push_back(state);
                         }
-                        Err(what) => self.wrong = Some(format!("of a state, {what}")),
+                        Err(error) => self.wrong = Some(format!("of a state, {error}")),
                     }
                 }
             }

@@ -20,12 +20,12 @@ pub(super) fn program(dice: &mut Dice) -> Program {
             [amplitude, turns, dice.between(0.0, TAU)]
         })
     });
-    let at = |share: f64| {
+    let position = |share: f64| {
         waves.map(|waves| {
             let wave = |[a, turns, phase]: [f64; 3]| a * (TAU * turns * share + phase).sin();
             waves.into_iter().map(wave).sum()
         })
     };
-    let targets = (1..=points).map(|i| at(i as f64 / points as f64));
-    of(at(0.0), targets.map(|target| ptp(target, shares, Some(blend))).collect())
+    let targets = (1..=points).map(|i| position(i as f64 / points as f64));
+    of(position(0.0), targets.map(|target| ptp(target, shares, Some(blend))).collect())
 }

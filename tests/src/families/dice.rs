@@ -20,17 +20,17 @@ impl Dice {
         Self(rng)
     }
 
-    pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.0.f64()
+    pub(crate) fn between(&mut self, lower: f64, upper: f64) -> f64 {
+        lower + (upper - lower) * self.0.f64()
     }
 
     /// Returns a number with a log-uniform distribution.
-    pub(crate) fn log(&mut self, least: f64, most: f64) -> f64 {
-        self.between(least.ln(), most.ln()).exp().max(least).min(most)
+    pub(crate) fn log(&mut self, lower: f64, upper: f64) -> f64 {
+        self.between(lower.ln(), upper.ln()).exp().max(lower).min(upper)
     }
 
-    pub(crate) fn count(&mut self, least: usize, most: usize) -> usize {
-        self.0.usize(least..=most)
+    pub(crate) fn count(&mut self, min: usize, max: usize) -> usize {
+        self.0.usize(min..=max)
     }
 
     /// Returns true with this probability in percent.
@@ -93,12 +93,12 @@ impl Dice {
         }
     }
 
-    /// Returns a displacement of `length` from `at` that stays within the joint ranges, if a few
+    /// Returns a displacement of `length` from `start` that stays within the joint ranges, if a few
     /// draws find one.
-    pub(crate) fn leg(&mut self, at: &Joints, length: f64) -> Joints {
+    pub(crate) fn leg(&mut self, start: &Joints, length: f64) -> Joints {
         let limits = Robot::default().limits().upper_rad;
         let throws = std::iter::repeat_with(|| vector::scale(length, &self.direction()));
-        let is_inside = |way: &Joints| (0..7).all(|j| (at[j] + way[j]).abs() < limits[j]);
+        let is_inside = |way: &Joints| (0..7).all(|j| (start[j] + way[j]).abs() < limits[j]);
         let mut last = [0.0; 7];
         for way in throws.take(50) {
             last = way;

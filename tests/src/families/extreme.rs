@@ -18,14 +18,14 @@ pub(super) fn program(dice: &mut Dice) -> Program {
         [velocity, rest(), rest()]
     };
     let same = shares(dice);
-    let mut at = start_rad;
+    let mut position = start_rad;
     let motions = (0..dice.count(1, 12)).map(|_| {
         let length = dice.log(1e-9, 5.0);
-        let way = dice.leg(&at, length);
-        at = std::array::from_fn(|j| at[j] + way[j]);
+        let way = dice.leg(&position, length);
+        position = std::array::from_fn(|j| position[j] + way[j]);
         let shares = if is_even { same } else { shares(dice) };
         let blend = dice.blend();
-        ptp(at, shares, blend)
+        ptp(position, shares, blend)
     });
     let motions = motions.collect();
     of(start_rad, motions)

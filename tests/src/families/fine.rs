@@ -8,7 +8,7 @@ use super::dice::{Dice, program as of, ptp};
 pub(super) fn program(dice: &mut Dice) -> Program {
     let start_rad = dice.pose();
     let mut direction = dice.direction();
-    let mut at = start_rad;
+    let mut position = start_rad;
     let motions = (0..dice.count(1, 12)).map(|_| {
         direction = match dice.count(0, 9) {
             0 => direction.map(|v| -v),
@@ -20,11 +20,11 @@ pub(super) fn program(dice: &mut Dice) -> Program {
             _ => dice.direction(),
         };
         let length = dice.log(1e-6, 1e-3);
-        at = std::array::from_fn(|j| at[j] + length * direction[j]);
+        position = std::array::from_fn(|j| position[j] + length * direction[j]);
         let shares =
             if dice.percent(50) { [1.0; 3] } else { std::array::from_fn(|_| dice.log(0.05, 1.0)) };
         let blend = dice.blend();
-        ptp(at, shares, blend)
+        ptp(position, shares, blend)
     });
     let motions = motions.collect();
     of(start_rad, motions)

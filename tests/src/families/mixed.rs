@@ -8,15 +8,15 @@ use super::dice::{Dice, program as of};
 /// from 0.01 to 1.
 pub(super) fn program(dice: &mut Dice) -> Program {
     let start_rad = dice.pose();
-    let mut at = start_rad;
+    let mut position = start_rad;
     let motions = (0..dice.count(1, 12)).map(|_| {
         let length = if dice.percent(60) { dice.between(0.3, 3.0) } else { dice.log(1e-3, 1.0) };
-        let way = dice.leg(&at, length);
-        at = std::array::from_fn(|j| at[j] + way[j]);
+        let way = dice.leg(&position, length);
+        position = std::array::from_fn(|j| position[j] + way[j]);
         let mut shares = || dice.joints(|dice| dice.log(0.01, 1.0));
         let (velocity_rel, acceleration_rel, jerk_rel) = (shares(), shares(), shares());
         let blend = dice.blend();
-        Ptp { velocity_rel, acceleration_rel, jerk_rel, blend, ..Ptp::to(at) }
+        Ptp { velocity_rel, acceleration_rel, jerk_rel, blend, ..Ptp::to(position) }
     });
     let motions = motions.collect();
     of(start_rad, motions)

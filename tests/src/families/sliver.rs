@@ -11,7 +11,7 @@ pub(super) fn program(dice: &mut Dice) -> Program {
     let start_rad = dice.pose();
     let longest = dice.log(1e-2, 2.0);
     let mut direction = dice.direction();
-    let mut at = start_rad;
+    let mut position = start_rad;
     let motions = (0..dice.count(2, 10)).map(|leg| {
         if leg > 0 {
             direction = match dice.count(0, 9) {
@@ -24,7 +24,7 @@ pub(super) fn program(dice: &mut Dice) -> Program {
             };
         }
         let length = if dice.percent(40) { longest } else { longest * dice.log(1e-3, 1.0) };
-        at = std::array::from_fn(|j| at[j] + length * direction[j]);
+        position = std::array::from_fn(|j| position[j] + length * direction[j]);
         let blend = match dice.count(0, 9) {
             0..=5 => Some(Blend::Fraction(dice.between(0.499, 0.5))),
             6 | 7 => Some(Blend::Fraction(0.5)),
@@ -33,7 +33,7 @@ pub(super) fn program(dice: &mut Dice) -> Program {
         };
         let shares =
             if dice.percent(70) { [1.0; 3] } else { std::array::from_fn(|_| dice.log(0.1, 1.0)) };
-        ptp(at, shares, blend)
+        ptp(position, shares, blend)
     });
     let motions = motions.collect();
     of(start_rad, motions)

@@ -54,9 +54,9 @@ impl BareSocket {
     /// # Errors
     ///
     /// An error if the address is invalid, or the thread cannot be started.
-    pub fn connect(kind: SocketType, at: &str) -> io::Result<Self> {
-        let at = parse(at)?;
-        Self::start(kind, None, move |shared| shared.keep_connected(at))
+    pub fn connect(kind: SocketType, address: &str) -> io::Result<Self> {
+        let address = parse(address)?;
+        Self::start(kind, None, move |shared| shared.keep_connected(address))
     }
 
     /// Creates a socket that listens at an address such as `tcp://127.0.0.1:30001`.
@@ -64,8 +64,8 @@ impl BareSocket {
     /// # Errors
     ///
     /// An error if the address is invalid or in use, or the thread cannot be started.
-    pub fn bind(kind: SocketType, at: &str) -> io::Result<Self> {
-        let listener = TcpListener::bind(parse(at)?)?;
+    pub fn bind(kind: SocketType, address: &str) -> io::Result<Self> {
+        let listener = TcpListener::bind(parse(address)?)?;
         let bound = listener.local_addr()?;
         Self::start(kind, Some(bound), move |shared| shared.accept_all(&listener))
     }
@@ -186,9 +186,9 @@ impl Shared {
     }
 
     /// Connects repeatedly, until the socket is dropped.
-    fn keep_connected(&self, at: SocketAddr) {
+    fn keep_connected(&self, address: SocketAddr) {
         loop {
-            if let Ok(peer) = Peer::silent(at, SEND_TIMEOUT) {
+            if let Ok(peer) = Peer::silent(address, SEND_TIMEOUT) {
                 // The next iteration reconnects.
                 let _ = self.serve(peer.stream);
             }
@@ -287,7 +287,7 @@ fn write(mut stream: &TcpStream, bytes: &[u8]) {
     }
 }
 
-fn parse(at: &str) -> io::Result<SocketAddr> {
-    let mut found = at.trim_start_matches("tcp://").to_socket_addrs()?;
-    found.next().ok_or_else(|| io::ErrorKind::AddrNotAvailable.into())
+fn parse(address: &str) -> io::Result<SocketAddr> {
+    let mut addresses = address.trim_start_matches("tcp://").to_socket_addrs()?;
+    addresses.next().ok_or_else(|| io::ErrorKind::AddrNotAvailable.into())
 }

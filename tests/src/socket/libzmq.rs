@@ -18,9 +18,9 @@ impl LibzmqSocket {
     /// # Errors
     ///
     /// An error if the address is invalid, or resources are exhausted.
-    pub fn connect(kind: SocketType, at: &str) -> io::Result<Self> {
+    pub fn connect(kind: SocketType, address: &str) -> io::Result<Self> {
         let socket = new(kind)?;
-        socket.connect(at)?;
+        socket.connect(address)?;
         Ok(Self { socket })
     }
 
@@ -29,9 +29,9 @@ impl LibzmqSocket {
     /// # Errors
     ///
     /// An error if the address is invalid or in use, or resources are exhausted.
-    pub fn bind(kind: SocketType, at: &str) -> io::Result<Self> {
+    pub fn bind(kind: SocketType, address: &str) -> io::Result<Self> {
         let socket = new(kind)?;
-        socket.bind(at)?;
+        socket.bind(address)?;
         Ok(Self { socket })
     }
 

@@ -21,16 +21,16 @@ fn drawn() -> BTreeMap<String, Vec<String>> {
 
 /// Returns all crates from which arrows lead to a crate.
 fn below(arrows: &BTreeMap<String, Vec<String>>, name: &str) -> BTreeSet<String> {
-    let mut found = BTreeSet::new();
+    let mut result = BTreeSet::new();
     let mut open = vec![name];
     while let Some(name) = open.pop() {
         for used in arrows.get(name).into_iter().flatten() {
-            if found.insert(used.clone()) {
+            if result.insert(used.clone()) {
                 open.push(used);
             }
         }
     }
-    found
+    result
 }
 
 /// Crates for command lines, which libraries must not use.

@@ -10,13 +10,13 @@ use crate::tests::architecture::offenders::forbid;
 use crate::tests::architecture::sources::{files, members, root, shown, text};
 
 fn documents() -> Vec<PathBuf> {
-    let mut found: Vec<PathBuf> = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"]
+    let mut documents: Vec<PathBuf> = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"]
         .iter()
         .map(|name| root().join(name))
         .filter(|path| path.exists())
         .collect();
-    found.extend(files(&root().join("docs"), &["md"]));
-    found
+    documents.extend(files(&root().join("docs"), &["md"]));
+    documents
 }
 
 #[test]
@@ -61,7 +61,8 @@ fn files_that_documents_link_to_exist() {
     for document in documents() {
         let folder = document.parent().expect("a file is in a folder");
         let text = text(&document);
-        for (_, after) in text.match_indices("](").map(|(at, mark)| text.split_at(at + mark.len()))
+        for (_, after) in
+            text.match_indices("](").map(|(offset, mark)| text.split_at(offset + mark.len()))
         {
             let Some((link, _)) = after.split_once(')') else { continue };
             let target = link.split(['#', ' ']).next().unwrap_or_default();
@@ -77,13 +78,13 @@ fn files_that_documents_link_to_exist() {
 /// path per name in the braces.
 fn paths(text: &str) -> Vec<Vec<String>> {
     let word = |c: char| c.is_alphanumeric() || c == '_';
-    let mut found = Vec::new();
-    for (at, _) in text.match_indices("iiwa") {
-        if text[..at].ends_with(|c: char| word(c) || c == ':' || c == '/' || c == '-') {
+    let mut crate_names = Vec::new();
+    for (offset, _) in text.match_indices("iiwa") {
+        if text[..offset].ends_with(|c: char| word(c) || c == ':' || c == '/' || c == '-') {
             continue;
         }
         let mut path = Vec::new();
-        let mut rest = &text[at..];
+        let mut rest = &text[offset..];
         loop {
             let end = rest.find(|c| !word(c)).unwrap_or(rest.len());
             if end == 0 {
@@ -97,13 +98,13 @@ fn paths(text: &str) -> Vec<Vec<String>> {
             // Nested groups occur only in code, not in prose.
             for name in names.split(',').map(str::trim).filter(|name| name.chars().all(word)) {
                 let end = (!name.is_empty() && name != "self").then(|| name.to_owned());
-                found.push(path.iter().cloned().chain(end).collect());
+                crate_names.push(path.iter().cloned().chain(end).collect());
             }
         } else if path.len() > 1 {
-            found.push(path);
+            crate_names.push(path);
         }
     }
-    found
+    crate_names
 }
 
 /// Adds the names of public items, their fields, variants and methods, including re-exports.

@@ -41,9 +41,9 @@ fn libraries_name_no_commands_and_no_flags() {
 /// Returns true for a flag such as `--key`. Rules of Markdown tables, HTML comments and CSS
 /// variables do not count.
 fn names_flag(text: &str) -> bool {
-    text.match_indices("--").any(|(at, mark)| {
-        !["-", "<!", "var("].iter().any(|before| text[..at].ends_with(before))
-            && text[at + mark.len()..].starts_with(|c: char| c.is_ascii_alphabetic())
+    text.match_indices("--").any(|(offset, mark)| {
+        !["-", "<!", "var("].iter().any(|before| text[..offset].ends_with(before))
+            && text[offset + mark.len()..].starts_with(|c: char| c.is_ascii_alphabetic())
     })
 }
 

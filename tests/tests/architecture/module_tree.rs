@@ -103,16 +103,16 @@ impl ModuleTree {
 
     fn follow(&self, module: usize, path: &[String], depth: usize) -> Option<Found> {
         let (first, rest) = path.split_first()?;
-        let mut at = match first.as_str() {
+        let mut module = match first.as_str() {
             "crate" => Found::Module(0),
             "self" => Found::Module(module),
             "super" => Found::Module(self.modules[module].parent?),
             name => self.look_up(module, name, depth)?,
         };
         for name in rest {
-            at = match at {
+            module = match module {
                 // The rest are variants and associated items.
-                Found::Item(_) => return Some(at),
+                Found::Item(_) => return Some(module),
                 Found::Module(module) if name == "super" => {
                     Found::Module(self.modules[module].parent?)
                 }
@@ -120,7 +120,7 @@ impl ModuleTree {
                 Found::Module(module) => self.look_up(module, name, depth)?,
             };
         }
-        Some(at)
+        Some(module)
     }
 
     fn look_up(&self, module: usize, name: &str, depth: usize) -> Option<Found> {
@@ -128,19 +128,23 @@ impl ModuleTree {
         if depth > 20 {
             return None;
         }
-        let here = &self.modules[module];
-        if let Some(child) = here.children.get(name) {
+        let current = &self.modules[module];
+        if let Some(child) = current.children.get(name) {
             return Some(Found::Module(*child));
         }
-        if here.items.contains(name) {
+        if current.items.contains(name) {
             return Some(Found::Item(module));
         }
-        if let Some(import) = here.imports.get(name) {
+        if let Some(import) = current.imports.get(name) {
             // For example `use serde::{self, Serialize}`: avoids recursion into the name itself.
-            let own = import.path.len() == 1 && import.path[0] == name;
-            return if own { None } else { self.follow(module, &import.path, depth + 1) };
+            let is_module_name = import.path.len() == 1 && import.path[0] == name;
+            return if is_module_name {
+                None
+            } else {
+                self.follow(module, &import.path, depth + 1)
+            };
         }
-        here.globs.iter().find_map(|glob| {
+        current.globs.iter().find_map(|glob| {
             let Found::Module(from) = self.follow(module, &glob.path, depth + 1)? else {
                 return None;
             };

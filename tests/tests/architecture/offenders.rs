@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 pub(crate) fn forbid(rule: &str, offenders: &BTreeMap<String, String>, remedy: &str) {
     let list: Vec<String> = offenders
         .iter()
-        .map(|(offender, what)| format!("{rule}: {offender}\n    {what}"))
+        .map(|(offender, description)| format!("{rule}: {offender}\n    {description}"))
         .collect();
     assert!(list.is_empty(), "{}\n{remedy}", list.join("\n"));
 }

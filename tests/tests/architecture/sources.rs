@@ -17,7 +17,7 @@ pub(crate) fn root() -> PathBuf {
 /// Returns all files below a folder with one of these extensions, in order; empty if the folder is
 /// missing.
 pub(crate) fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
-    let mut found = Vec::new();
+    let mut sources = Vec::new();
     let mut folders = vec![folder.to_path_buf()];
     while let Some(folder) = folders.pop() {
         let Ok(entries) = fs::read_dir(&folder) else { continue };
@@ -28,12 +28,12 @@ pub(crate) fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
                     folders.push(path);
                 }
             } else if path.extension().is_some_and(|end| extensions.iter().any(|e| end == *e)) {
-                found.push(path);
+                sources.push(path);
             }
         }
     }
-    found.sort();
-    found
+    sources.sort();
+    sources
 }
 
 /// Formats a path for messages: relative to the workspace, with `/`.

@@ -29,7 +29,8 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     let import = import(&project, None, &ImportOptions::default())?;
     let imported = begin.elapsed();
     println!(
-        "import: {FILES} Java files of {} kB each: read in {:.0} ms, {} motions after {:.0} ms, {:.0} MB at most, {before_mb:.0} MB before",
+        "import: {FILES} Java files of {} kB each: read in {:.0} ms, {} motions after {:.0} ms, \
+         {:.0} MB at most, {before_mb:.0} MB before",
         BYTES / 1000,
         1e3 * opened.as_secs_f64(),
         import.program.motions.len(),
@@ -52,9 +53,10 @@ fn write_project(folder: &Path) -> Result<()> {
         while text.len() < BYTES {
             let _ = write!(
                 text,
-                "    /** The angle of place {method}, in rad. */\n    public double angle{method}(int turn) {{\n        \
-                 double sum = {method} * 0.5;\n        for (int i = 0; i < turn; i++) {{\n            \
-                 sum = Math.toRadians(sum + i) * (turn > 3 ? 0.5 : 1.0);\n        }}\n        return sum;\n    }}\n\n"
+                "    /** The angle of place {method}, in rad. */\n    public double \
+                 angle{method}(int turn) {{\n        double sum = {method} * 0.5;\n        for \
+                 (int i = 0; i < turn; i++) {{\n            sum = Math.toRadians(sum + i) * (turn \
+                 > 3 ? 0.5 : 1.0);\n        }}\n        return sum;\n    }}\n\n"
             );
             method += 1;
         }
@@ -62,13 +64,15 @@ fn write_project(folder: &Path) -> Result<()> {
         fs::write(sources.join(format!("{name}.java")), text)?;
         let _ = writeln!(
             run,
-            "        lbr.move(ptp(new {name}().angle1(3), 0.5, 0, -1.2, 0, 1.0, 0).setJointVelocityRel(0.5));"
+            "        lbr.move(ptp(new {name}().angle1(3), 0.5, 0, -1.2, 0, 1.0, \
+             0).setJointVelocityRel(0.5));"
         );
     }
     let main = format!(
-        "package application;\n\nimport static com.kuka.roboticsAPI.motionModel.BasicMotions.ptp;\n\n\
-         public class Main extends RoboticsAPIApplication {{\n    @Inject\n    private LBR lbr;\n\n    \
-         @Override\n    public void run() {{\n{run}    }}\n}}\n"
+        "package application;\n\nimport static \
+         com.kuka.roboticsAPI.motionModel.BasicMotions.ptp;\n\n\
+         public class Main extends RoboticsAPIApplication {{\n    @Inject\n    private LBR \
+         lbr;\n\n    @Override\n    public void run() {{\n{run}    }}\n}}\n"
     );
     fs::write(sources.join("Main.java"), main)?;
     Ok(())

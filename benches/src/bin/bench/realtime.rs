@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
             be_cabinet(period_ms.parse()?, &serde_json::from_str(sockets)?)?;
         }
         ["--part", "drive", sockets] => be_drive(&serde_json::from_str(sockets)?)?,
-        ["--part", "subscribers", at] => be_subscribers(at)?,
+        ["--part", "subscribers", address] => be_subscribers(address)?,
         ["--part", "busy"] => be_busy()?,
         ["--part", "witness"] => be_witness()?,
         [] => return report(&[case(5, 10), case(1, 10)]),

@@ -46,10 +46,10 @@ const CSV: &str = "recording.csv";
 pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     if let [job, folder] = arguments {
         let begin = Instant::now();
-        let what = done(job, FilePath::new(folder))?;
+        let message = run_job(job, FilePath::new(folder))?;
         let spent_s = begin.elapsed().as_secs_f64();
         let memory_mb = machine::peak_memory_mb()?;
-        println!("{what}: {spent_s:.2} s in all, with {memory_mb:.0} MB of memory");
+        println!("{message}: {spent_s:.2} s in all, with {memory_mb:.0} MB of memory");
         return Ok(ExitCode::SUCCESS);
     }
     let minutes: usize = arguments.first().map_or(Ok(5), |text| text.parse())?;
@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
 }
 
 /// Runs one job, and describes it.
-fn done(job: &str, folder: &FilePath) -> Result<String> {
+fn run_job(job: &str, folder: &FilePath) -> Result<String> {
     let read = |name: &str| -> Result<JointLog> {
         let log = JointLog::read(File::open(folder.join(name))?)?;
         match log.losses.first() {
@@ -96,8 +96,8 @@ fn done(job: &str, folder: &FilePath) -> Result<String> {
         _ => {
             let program = Program::from_json(&fs::read_to_string(folder.join(PROGRAM))?)?;
             let recording = Recording { program: &program, log: &read(MCAP)? };
-            let found = identify(&[recording], &Robot::default())?;
-            format!("{job}, {} blends", found.blends.len())
+            let identified = identify(&[recording], &Robot::default())?;
+            format!("{job}, {} blends", identified.blends.len())
         }
     })
 }

@@ -43,7 +43,7 @@ impl Change {
     }
 
     fn apply(self, ptp: &mut Ptp, rng: &mut Rng) {
-        let mut between = |least: f64, most: f64| least + (most - least) * rng.f64();
+        let mut between = |lower: f64, upper: f64| lower + (upper - lower) * rng.f64();
         match self {
             Self::Target => ptp.target_rad.iter_mut().for_each(|q| *q += between(-0.1, 0.1)),
             Self::Speed => ptp.velocity_rel = [between(0.2, 1.0); 7],
@@ -65,7 +65,8 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
     no_arguments(arguments)?;
     println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
     println!(
-        "| change | motions | changes/s | off a plan from nothing: median | 90 % | slowest | fastest |"
+        "| change | motions | changes/s | off a plan from nothing: median | 90 % | slowest | \
+         fastest |"
     );
     println!("|---|---:|---:|---:|---:|---:|---:|");
     for change in Change::ALL {
@@ -79,7 +80,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
             let mut sizes: Vec<_> = off_s.iter().map(|off| off.abs()).collect();
             sizes.sort_by(f64::total_cmp);
             // Quantile in tenths.
-            let of = |list: &[f64], tenths: usize| match list.len() {
+            let quantile = |list: &[f64], tenths: usize| match list.len() {
                 0 => "-".to_owned(),
                 n => format!("{:.1e} s", list[(n - 1) * tenths / 10]),
             };
@@ -87,10 +88,10 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
                 "| {} | {motions} | {:.0} | {} | {} | {} | {} |",
                 change.name(),
                 f64::from(changes) / time_s,
-                of(&sizes, 5),
-                of(&sizes, 9),
-                of(&off_s, 10),
-                of(&off_s, 0),
+                quantile(&sizes, 5),
+                quantile(&sizes, 9),
+                quantile(&off_s, 10),
+                quantile(&off_s, 0),
             );
         }
     }

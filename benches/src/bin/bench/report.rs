@@ -206,7 +206,7 @@ impl Durations {
     }
 
     /// Time of the planner relative to the peer's.
-    fn over(&self, peer: &str) -> Option<f64> {
+    fn relative_time(&self, peer: &str) -> Option<f64> {
         let (_, theirs) = self.peers.iter().find(|(name, _)| *name == peer)?;
         Some(self.ours / theirs)
     }
@@ -219,8 +219,8 @@ impl Durations {
         println!("| | time in motion | over the reference |\n|---|---:|---:|");
         let ours = ("iiwa-traj plan", self.ours);
         for (name, time_s) in [ours].iter().chain(&self.peers) {
-            let over = 100.0 * (time_s / self.reference - 1.0);
-            println!("| {name} | {time_s:.6} s | {over:+.3} % |");
+            let excess_percent = 100.0 * (time_s / self.reference - 1.0);
+            println!("| {name} | {time_s:.6} s | {excess_percent:+.3} % |");
         }
         println!("| reference: an independent solver, from below | {:.6} s | |", self.reference);
     }
@@ -270,7 +270,7 @@ fn print_required(
         ),
         (
             "the same: time in motion, over that by copp's topp3_socp",
-            durations.over(HELD_AGAINST),
+            durations.relative_time(HELD_AGAINST),
             1.0,
             &plain,
         ),
@@ -288,12 +288,12 @@ fn print_required(
         ),
     ];
     println!("\n### required\n\n| | at most | measured | |\n|---|---:|---:|---|");
-    for (what, value, limit, format) in rows {
-        let (found, verdict) = match value {
+    for (quantity, value, limit, format) in rows {
+        let (shown, verdict) = match value {
             Some(value) => (format(value), if value <= limit { "kept" } else { "**missed**" }),
             None => ("not measured".to_owned(), ""),
         };
-        println!("| {what} | {} | {found} | {verdict} |", format(limit));
+        println!("| {quantity} | {} | {shown} | {verdict} |", format(limit));
     }
 }
 
@@ -309,13 +309,13 @@ fn print_found_crossings() -> Result<()> {
         ("algorithm 1", BlendSearch::Algorithm1),
         ("algorithm 2", BlendSearch::Algorithm2),
     ] {
-        let found: Vec<_> = searches.iter().map(|search| search.run(kind, &robot)).collect();
-        let misses = searches.iter().zip(&found).filter(|(search, found)| {
+        let minima: Vec<_> = searches.iter().map(|search| search.run(kind, &robot)).collect();
+        let misses = searches.iter().zip(&minima).filter(|(search, minimum)| {
             let first = search.run(BlendSearch::FirstCrossing, &robot);
-            first.is_some_and(|first| found.is_none_or(|found| found > first + 0.001 + 1e-9))
+            first.is_some_and(|first| minimum.is_none_or(|minimum| minimum > first + 0.001 + 1e-9))
         });
-        let some = found.iter().flatten().count();
-        println!("| {name} | {some} | {} | {} |", found.len() - some, misses.count());
+        let some = minima.iter().flatten().count();
+        println!("| {name} | {some} | {} | {} |", minima.len() - some, misses.count());
     }
     Ok(())
 }
@@ -362,8 +362,8 @@ fn print_jerk_accuracy() -> Result<()> {
     println!("| refinement | iiwa-traj | over the finest |\n|---:|---:|---:|");
     for refinement in [1.0, 2.0, 4.0] {
         let time_s = plan(refinement)?;
-        let over = 100.0 * (time_s / finest - 1.0);
-        println!("| {refinement} | {time_s:.6} s | {over:+.4} % |");
+        let excess_percent = 100.0 * (time_s / finest - 1.0);
+        println!("| {refinement} | {time_s:.6} s | {excess_percent:+.4} % |");
     }
     println!("| {FINEST} | {finest:.6} s | |");
     Ok(())

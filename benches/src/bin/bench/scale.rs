@@ -27,7 +27,7 @@ const MOTIONS: [usize; 4] = [100, 1_000, 10_000, 100_000];
 const JERK_MOTIONS: [usize; 3] = [100, 1_000, 10_000];
 
 /// Time limit of a case.
-const MOST: Duration = Duration::from_secs(30);
+const MAX_DURATION: Duration = Duration::from_secs(30);
 
 /// Report of a case's process.
 #[derive(Deserialize, Serialize)]
@@ -71,8 +71,8 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
             fs::write(&file, text(kind, motions))?;
             let mut case = Command::new(env::current_exe()?);
             case.args(["scale", "--case", timing.name()]).arg(&file);
-            let Some(output) = within(MOST, &mut case)? else {
-                let most_s = MOST.as_secs();
+            let Some(output) = within(MAX_DURATION, &mut case)? else {
+                let most_s = MAX_DURATION.as_secs();
                 println!("| {motions} | {} | | | | | more than {most_s} s | | |", kind.name());
                 continue;
             };
@@ -84,8 +84,8 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
             let Report { parse_ms, path_ms, plan_ms, .. } = report;
             let all_ms = parse_ms + path_ms + plan_ms;
             println!(
-                "| {motions} | {} | {:.1} MB | {parse_ms:.1} ms | {path_ms:.1} ms | {plan_ms:.1} ms \
-                 | {all_ms:.1} ms | {:.1} us | {:.1} MB |",
+                "| {motions} | {} | {:.1} MB | {parse_ms:.1} ms | {path_ms:.1} ms | {plan_ms:.1} \
+                 ms | {all_ms:.1} ms | {:.1} us | {:.1} MB |",
                 kind.name(),
                 fs::metadata(&file)?.len() as f64 * 1e-6,
                 1e3 * all_ms / motions as f64,
@@ -96,13 +96,13 @@ fn print_table(timing: Timing, lengths: &[usize]) -> Result<()> {
     Ok(())
 }
 
-/// Returns the output of `command`; kills the process after `most` and returns `None`.
-fn within(most: Duration, command: &mut Command) -> Result<Option<Output>> {
+/// Returns the output of `command`; kills the process after `limit` and returns `None`.
+fn within(limit: Duration, command: &mut Command) -> Result<Option<Output>> {
     let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     let start = Instant::now();
     // The output is too short to fill a pipe.
     while process.try_wait()?.is_none() {
-        if start.elapsed() > most {
+        if start.elapsed() > limit {
             process.kill()?;
             process.wait()?;
             return Ok(None);

@@ -32,8 +32,8 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
         Task::Table(program) => {
             print_table(&program)?;
             let PlanCheck { refusals, failures, .. } = PlanCheck::of(&program);
-            for what in refusals.iter().chain(&failures) {
-                println!("{what}");
+            for message in refusals.iter().chain(&failures) {
+                println!("{message}");
             }
             failures.is_empty()
         }

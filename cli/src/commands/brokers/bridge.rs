@@ -46,7 +46,8 @@ fn bridge_options(options: &args::Bridge) -> Result<BridgeOptions, Failure> {
         let ros2 = if cfg!(feature = "ros2") { ", --ros2" } else { "" };
         let opcua = if cfg!(feature = "opcua") { ", --opcua IP:PORT" } else { "" };
         return Err(Failure::input(format!(
-            "there is nothing to bridge to: give --kafka HOST:PORT, --mqtt HOST:PORT{ros2}{opcua}, or several"
+            "there is nothing to bridge to: give --kafka HOST:PORT, --mqtt HOST:PORT{ros2}{opcua}, \
+             or several"
         )));
     }
     let remote = connection::remote(&options.drive.keys)?;

@@ -23,7 +23,7 @@ pub(crate) fn start(
     let beside_the_spool = || default_spool().with_file_name("opcua");
     let user = options.user.as_ref().zip(options.password_file.as_ref());
     let user = user.map(|(user, file)| credentials(user, file)).transpose()?;
-    let own = OpcUaOptions {
+    let bridge_options = OpcUaOptions {
         listen,
         host: options.host.clone(),
         certificates: options.certificates.clone().unwrap_or_else(beside_the_spool),
@@ -33,7 +33,8 @@ pub(crate) fn start(
         unsecured: options.unsecured,
         arms: robots.iter().map(arm).collect(),
     };
-    let server = OpcUa::start(&own, robots, allow_commands).map_err(|error| failure(&error))?;
+    let server =
+        OpcUa::start(&bridge_options, robots, allow_commands).map_err(|error| failure(&error))?;
     Ok(Some(Arc::new(server)))
 }
 
@@ -43,6 +44,6 @@ fn failure(error: &OpcUaError) -> Failure {
         OpcUaError::Certificate { .. }
         | OpcUaError::Settings { .. }
         | OpcUaError::SameName { .. } => Failure::input(with_causes(error)),
-        error => Failure::Run { what: with_causes(error), cause: None },
+        error => Failure::Run { message: with_causes(error), cause: None },
     }
 }

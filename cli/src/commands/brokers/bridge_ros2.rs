@@ -16,11 +16,12 @@ pub(crate) fn start(
     allow_commands: bool,
 ) -> Result<Arc<dyn Sink>, Failure> {
     let model = find_robot(model)?;
-    let mut own = Ros2Options { domain: options.domain, allow_commands, ..Ros2Options::default() };
+    let mut bridge_options =
+        Ros2Options { domain: options.domain, allow_commands, ..Ros2Options::default() };
     if !options.networks.is_empty() {
-        own.networks.clone_from(&options.networks);
+        bridge_options.networks.clone_from(&options.networks);
     }
-    own.retime = match options.retime {
+    bridge_options.retime = match options.retime {
         args::RetimeGoals::Needed => RetimeGoals::Needed,
         args::RetimeGoals::Always => RetimeGoals::Always,
         args::RetimeGoals::Never => RetimeGoals::Never,
@@ -36,18 +37,18 @@ pub(crate) fn start(
             names = options.naming.names_with(prefix);
         }
         let (bridged, robot) = (bridged.clone(), model.clone());
-        own.robots.push(Ros2Robot { bridged, robot, names, namespace });
+        bridge_options.robots.push(Ros2Robot { bridged, robot, names, namespace });
     }
-    Ok(Arc::new(Ros2::start(&own).map_err(|error| failure(&error))?))
+    Ok(Arc::new(Ros2::start(&bridge_options).map_err(|error| failure(&error))?))
 }
 
 fn failure(error: &Ros2Error) -> Failure {
     match error {
-        Ros2Error::Link(error) => connection::refused(error),
+        Ros2Error::Link(error) => connection::link_failure(error),
         Ros2Error::Namespace { .. }
         | Ros2Error::SameNamespace { .. }
         | Ros2Error::SameFrames { .. }
         | Ros2Error::Domain { .. } => Failure::input(with_causes(error)),
-        error => Failure::Run { what: with_causes(error), cause: None },
+        error => Failure::Run { message: with_causes(error), cause: None },
     }
 }

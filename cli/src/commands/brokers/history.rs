@@ -59,16 +59,17 @@ pub(crate) fn reader(
 }
 
 fn judge(history: &History, max_drift: Option<f64>) -> Result<(), Failure> {
-    let Some(most) = max_drift else { return Ok(()) };
+    let Some(limit) = max_drift else { return Ok(()) };
     let slower = history.programs.iter().filter_map(|program| {
-        let percent = program.drift.map(|drift| drift.percent).filter(|percent| *percent > most)?;
+        let percent =
+            program.drift.map(|drift| drift.percent).filter(|percent| *percent > limit)?;
         Some(format!("{} on {} by {percent:.1} %", name(program), printable(&program.robot)))
     });
     let slower: Vec<_> = slower.collect();
     if slower.is_empty() {
         return Ok(());
     }
-    Err(Failure::Gate(format!("slower than before by more than {most} %: {}", slower.join(", "))))
+    Err(Failure::Gate(format!("slower than before by more than {limit} %: {}", slower.join(", "))))
 }
 
 fn name(program: &ProgramHistory) -> String {

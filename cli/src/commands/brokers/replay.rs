@@ -99,16 +99,16 @@ impl Recording {
         message: &Message,
         sample: &JointSample,
     ) -> Result<Self, Failure> {
-        let what = |error: &dyn Error| cannot_write(path, error);
+        let to_failure = |error: &dyn Error| cannot_write(path, error);
         let epoch = Duration::from_micros(message.at.micros());
         let file_config = Config { epoch, names: options.ros.names(), ..Config::default() };
         let config = RecorderConfig { file: file_config, ..RecorderConfig::default() };
         let mut recorder = Recorder::create(path, options.overwrite, robot, config)
-            .map_err(|error| what(&error))?;
+            .map_err(|error| to_failure(&error))?;
         let torques = sample.measured_nm.as_ref();
         recorder
             .sample_with_torques(Duration::ZERO, &sample.joints_rad, torques)
-            .map_err(|error| what(&error))?;
+            .map_err(|error| to_failure(&error))?;
         Ok(Self { recorder, first_s: sample.t_s, last: Duration::ZERO, samples: 1 })
     }
 
@@ -157,17 +157,17 @@ fn serve(options: &Replay) -> Result<(), Failure> {
 }
 
 fn nothing(options: &Replay) -> Failure {
-    let what = format!(
+    let message = format!(
         "no joints of `{}` in this time range; --name, --from and --until choose others",
         options.name
     );
-    Failure::Run { what, cause: None }
+    Failure::Run { message, cause: None }
 }
 
 fn remarks(LeftOut { missing, unreadable, .. }: LeftOut) -> String {
-    let told = |count: u64, what: &str| {
-        if count > 0 { format!("; {count} {what}") } else { String::new() }
+    let count_text = |count: u64, noun: &str| {
+        if count > 0 { format!("; {count} {noun}") } else { String::new() }
     };
-    told(missing, "messages are missing in between")
-        + &told(unreadable, "records could not be read")
+    count_text(missing, "messages are missing in between")
+        + &count_text(unreadable, "records could not be read")
 }

@@ -43,7 +43,8 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     let cabinet = Cabinet::start(config, &server)
         .map_err(|error| connection::not_started(&error, "--instructions or --state"))?;
     print_note(&format!(
-        "Simulated cabinet: instructions at {}, state at {}, FRI every {} ms to UDP {}. Ctrl-C ends it.\n",
+        "Simulated cabinet: instructions at {}, state at {}, FRI every {} ms to UDP {}. Ctrl-C \
+         ends it.\n",
         cabinet.instructions(),
         cabinet.state(),
         options.period,

@@ -20,7 +20,7 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
     let cabinet = match (&options.keys.key, &options.cabinet_key) {
         (Some(key), Some(cabinet)) => ClientSecurity::read(key, cabinet)
             .map(Remote::with_keys)
-            .map_err(|error| connection::refused(&error.into()))?,
+            .map_err(|error| connection::link_failure(&error.into()))?,
         _ => Remote::open(),
     };
     let host = &options.cabinet;
@@ -33,12 +33,12 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
         None => address(host, options.fri.is_ipv4())?,
         Some(ip) if ip.is_ipv4() == options.fri.is_ipv4() => ip,
         Some(ip) => {
-            let what = format!("--fri-cabinet {ip} is not an address of the kind of --fri");
-            return Err(Failure::input(what));
+            let message = format!("--fri-cabinet {ip} is not an address of the kind of --fri");
+            return Err(Failure::input(message));
         }
     };
-    config.cabinet_instructions = at(host, options.cabinet_instructions);
-    config.cabinet_state = at(host, options.cabinet_state);
+    config.cabinet_instructions = endpoint(host, options.cabinet_instructions);
+    config.cabinet_state = endpoint(host, options.cabinet_state);
     if options.check {
         return check(&config, &cabinet, options.json);
     }
@@ -54,14 +54,15 @@ pub(crate) fn run(options: &args::Drive) -> Result<(), Failure> {
     ));
     if !drive.answer_latency().real_time {
         print_note(
-            "No real-time priority: to command at 1 ms, give the user rtprio in /etc/security/limits.conf, or \
-             the program cap_sys_nice (setcap).\n",
+            "No real-time priority: to command at 1 ms, give the user rtprio in \
+             /etc/security/limits.conf, or the program cap_sys_nice (setcap).\n",
         );
     }
     output::wait_for_interrupt(|| ());
     let AnswerLatency { received, answered, behind, slowest, .. } = drive.answer_latency();
     print_note(&format!(
-        "{received} messages, {answered} answers, the slowest after {} us; {behind} sent after the next message had arrived\n",
+        "{received} messages, {answered} answers, the slowest after {} us; {behind} sent after the \
+         next message had arrived\n",
         slowest.as_micros()
     ));
     Ok(())
@@ -76,11 +77,11 @@ fn check(config: &DriveConfig, cabinet: &Remote, json: bool) -> Result<(), Failu
     if json {
         output::print_json(&check)?;
     }
-    let what = "the connection to the cabinet is not ready".to_owned();
-    if check.ok { Ok(()) } else { Err(Failure::Run { what, cause: None }) }
+    let message = "the connection to the cabinet is not ready".to_owned();
+    if check.ok { Ok(()) } else { Err(Failure::Run { message, cause: None }) }
 }
 
-fn at(host: &str, port: u16) -> String {
+fn endpoint(host: &str, port: u16) -> String {
     if host.contains(':') {
         format!("tcp://[{host}]:{port}")
     } else {
@@ -90,12 +91,12 @@ fn at(host: &str, port: u16) -> String {
 
 /// Resolves a host name.
 fn address(host: &str, v4: bool) -> Result<IpAddr, Failure> {
-    let found = (host, 0)
+    let address = (host, 0)
         .to_socket_addrs()
         .map_err(|error| Failure::input(format!("--cabinet {host}: {error}")))?
         .map(|address| address.ip())
         .find(|address| address.is_ipv4() == v4);
-    found.ok_or_else(|| {
+    address.ok_or_else(|| {
         Failure::input(format!("--cabinet {host} has no address of the kind of --fri"))
     })
 }

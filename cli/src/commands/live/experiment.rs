@@ -38,8 +38,8 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         ExperimentName::Load => vec![ExperimentKind::Load],
         ExperimentName::All => ExperimentKind::ALL.to_vec(),
     };
-    let own = || PathBuf::from(format!("experiment-{}", options.name.name()));
-    let path = options.output.clone().unwrap_or_else(own);
+    let default_folder = || PathBuf::from(format!("experiment-{}", options.name.name()));
+    let path = options.output.clone().unwrap_or_else(default_folder);
     let (report, link) = report_path(options, &path)?;
     let virtual_robot = match &options.virtual_robot {
         Some(name) => input::find_robot(name)?,
@@ -130,10 +130,10 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
 }
 
 /// Asks for manual work, and waits for its confirmation.
-fn wait_for_enter(what: &str) -> Result<(), Failure> {
-    print_note(&format!("{what}; then press Enter\n"));
+fn wait_for_enter(prompt: &str) -> Result<(), Failure> {
+    print_note(&format!("{prompt}; then press Enter\n"));
     let confirmed = matches!(io::stdin().read_line(&mut String::new()), Ok(1..));
-    let unconfirmed = || Failure::input(format!("{what}: that has to be confirmed by Enter"));
+    let unconfirmed = || Failure::input(format!("{prompt}: that has to be confirmed by Enter"));
     confirmed.then_some(()).ok_or_else(unconfirmed)
 }
 

@@ -13,13 +13,13 @@ pub(crate) fn run(options: &Keygen) -> Result<(), Failure> {
     // Prevents partial files.
     output::catch_interrupts();
     let folder = options.output.as_deref().unwrap_or(Path::new(""));
-    let pair = KeyPair::generate().map_err(refuse)?;
+    let pair = KeyPair::generate().map_err(to_failure)?;
     if !folder.as_os_str().is_empty() {
         fs::create_dir_all(folder).map_err(|error| {
             Failure::run(format!("cannot make the folder {}", folder.display()), &error)
         })?;
     }
-    let (key, public) = pair.write(folder, &options.name).map_err(refuse)?;
+    let (key, public) = pair.write(folder, &options.name).map_err(to_failure)?;
     let [key, public] = [key, public].map(|path| printable(&path.display().to_string()));
     output::print(&format!(
         "\
@@ -34,7 +34,7 @@ If it is a client's: {public} goes into that folder, and the drive's .pub file c
     ))
 }
 
-fn refuse(error: SecurityError) -> Failure {
+fn to_failure(error: SecurityError) -> Failure {
     match error {
         SecurityError::Exists { .. } | SecurityError::Name { .. } => {
             Failure::input(error.to_string())

@@ -34,12 +34,12 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     let robot = find_robot(&options.robot)?;
     let remote = connection::remote(&options.drive.keys)?;
     let mut stream = Stream::with_torques(&remote, &options.stream.to_string())
-        .map_err(|error| connection::refused(&error))?;
+        .map_err(|error| connection::link_failure(&error))?;
     let client = options.sensors.then(|| connection::client(&options.drive)).transpose()?;
     let mut sensors = client.map(SensorPoll::new);
     output::catch_interrupts();
     let path = &options.output;
-    let refuse =
+    let to_failure =
         |error: WriteError| Failure::run(format!("cannot write {}", path.display()), &error);
     output::keep_existing(OutputKind::Recording, path, options.overwrite)?;
     // The file is created with the first sample: until then, a file to be overwritten is kept.
@@ -59,7 +59,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     while !interrupt::has_come() && limit.is_none_or(|limit| since.elapsed() < limit) {
         let published = match stream.next(POLL) {
             Ok(published) => published,
-            Err(error) if samples == 0 => return Err(connection::refused(&error)),
+            Err(error) if samples == 0 => return Err(connection::link_failure(&error)),
             // The samples so far are kept.
             Err(error) => {
                 progress.aside(|| print_note(&format!("The stream broke off: {error}\n")));
@@ -72,14 +72,14 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
         if let (Some(sensors), Some(recorder)) = (&mut sensors, &mut recorder)
             && let Some(parts) = sensors.read(&hardware_id)
         {
-            told(recorder.diagnostics(last, &parts)).map_err(refuse)?;
+            reported(recorder.diagnostics(last, &parts)).map_err(to_failure)?;
         }
         match published {
             Some(Published::Torques { t_s, measured_nm, .. }) => torques = Some((t_s, measured_nm)),
             Some(Published::State { t_s, state }) => {
                 if let (Some(t), Some(recorder)) = (since_first(t_s), &mut recorder) {
                     let parts = [diagnostics::drive(state, &hardware_id)];
-                    told(recorder.diagnostics(t, &parts)).map_err(refuse)?;
+                    reported(recorder.diagnostics(t, &parts)).map_err(to_failure)?;
                 }
             }
             Some(Published::Joints { t_s, joints_rad }) => {
@@ -100,9 +100,9 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
                 } else {
                     // Another program may have created the file meanwhile.
                     let begun = Recorder::create(path, options.overwrite, &robot, config(options));
-                    recorder.insert(begun.map_err(refuse)?)
+                    recorder.insert(begun.map_err(to_failure)?)
                 };
-                recorder.sample_with_torques(t, &joints_rad, torques_nm).map_err(refuse)?;
+                recorder.sample_with_torques(t, &joints_rad, torques_nm).map_err(to_failure)?;
                 (last, fresh) = (t, true);
                 samples += 1;
                 progress.show(samples);
@@ -110,15 +110,16 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
             Some(_) => {}
             None => {
                 if let (true, Some(recorder)) = (std::mem::take(&mut fresh), &mut recorder) {
-                    recorder.flush().map_err(refuse)?;
+                    recorder.flush().map_err(to_failure)?;
                 }
                 progress.alive();
                 if samples == 0 && !noted && since.elapsed() > NOTE_AFTER {
                     noted = true;
-                    let at = &options.stream;
+                    let address = &options.stream;
                     progress.aside(|| {
                         print_note(&format!(
-                            "Nothing received from {at} yet; is `iiwasim drive` running there?\n"
+                            "Nothing received from {address} yet; is `iiwasim drive` running \
+                             there?\n"
                         ));
                     });
                 }
@@ -128,7 +129,7 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
     progress.clear();
     let Some(recorder) = recorder else { return Err(nothing_came(options)) };
     let metadata = [("sample_count".to_owned(), samples.to_string())].into();
-    recorder.finish(&metadata, &[]).map_err(refuse)?;
+    recorder.finish(&metadata, &[]).map_err(to_failure)?;
     let left_out = if left_out > 0 { format!(", {left_out} left out") } else { String::new() };
     output::print(&format!(
         "{samples} samples{left_out} over {:.3} s in {}\n",
@@ -138,10 +139,11 @@ pub(crate) fn run(options: &Record) -> Result<(), Failure> {
 }
 
 fn nothing_came(options: &Record) -> Failure {
-    let at = &options.stream;
-    let what =
-        format!("nothing was recorded: nothing came from {at}; is `iiwasim drive` running there?");
-    Failure::Run { what, cause: None }
+    let address = &options.stream;
+    let message = format!(
+        "nothing was recorded: nothing came from {address}; is `iiwasim drive` running there?"
+    );
+    Failure::Run { message, cause: None }
 }
 
 /// Returns the recorder options with the start time.
@@ -152,7 +154,7 @@ fn config(options: &Record) -> RecorderConfig {
 }
 
 /// Ignores a message that repeats the stamp of the previous one.
-fn told(written: Result<(), WriteError>) -> Result<(), WriteError> {
+fn reported(written: Result<(), WriteError>) -> Result<(), WriteError> {
     written.or_else(|error| match error {
         WriteError::NotIncreasing { .. } => Ok(()),
         error => Err(error),

@@ -87,8 +87,8 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
                 refusal.message.push_str(hint(&refusal));
             }
             let failed = ClientError::Refused { refusal, run: None };
-            let what = format!("the robot did not {verb} the program");
-            (run, Some(connection::failed(&what, &failed)))
+            let message = format!("the robot did not {verb} the program");
+            (run, Some(connection::failed(&message, &failed)))
         }
         // The samples of the stream are the only ones.
         Err(error) => {

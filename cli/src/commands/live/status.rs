@@ -30,7 +30,7 @@ fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
     const SILENT: Duration = Duration::from_secs(1);
     let mut stream =
         Stream::new(&connection::remote(&options.drive.keys)?, &options.stream.to_string())
-            .map_err(|error| connection::refused(&error))?;
+            .map_err(|error| connection::link_failure(&error))?;
     output::catch_interrupts();
     let mut shown = None::<Instant>;
     if !options.json {
@@ -39,7 +39,7 @@ fn watch(options: &Status, mut state: DriveState) -> Result<(), Failure> {
     }
     while !interrupt::has_come() {
         let pause = |length| shown.is_none_or(|shown| shown.elapsed() >= length);
-        let next = stream.next(EVERY).map_err(|error| connection::refused(&error))?;
+        let next = stream.next(EVERY).map_err(|error| connection::link_failure(&error))?;
         let line = match next {
             Some(message) if options.json => output::json_line(&message)?,
             Some(Published::State { state: now, .. }) => {

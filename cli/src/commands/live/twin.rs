@@ -16,8 +16,8 @@ use crate::{
 };
 
 /// Starts a server for Foxglove and Lichtblick.
-fn viewers_at(robot: &Robot, names: &RosNames, at: SocketAddr) -> Result<Viewers, Failure> {
-    Viewers::listen(robot, names, at).map_err(|error| match error.cause.downcast_ref() {
+fn viewers_at(robot: &Robot, names: &RosNames, address: SocketAddr) -> Result<Viewers, Failure> {
+    Viewers::listen(robot, names, address).map_err(|error| match error.cause.downcast_ref() {
         Some(cause) => connection::not_listening(&error, cause, "--foxglove=IP:PORT"),
         None => TwinError::from(error).into(),
     })
@@ -52,12 +52,13 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let (robot, names) = (with.robot.clone(), with.names.clone());
     let setup = Setup::new(with)?;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, options.port)).map_err(|error| {
-        let what = format!("cannot listen at port {}; --port 0 takes a free one", options.port);
-        Failure::run(what, &error)
+        let message = format!("cannot listen at port {}; --port 0 takes a free one", options.port);
+        Failure::run(message, &error)
     })?;
     let address =
         listener.local_addr().map_err(|error| Failure::run("cannot serve the page", &error))?;
-    let viewers = options.foxglove.map(|at| viewers_at(&robot, &names, at)).transpose()?;
+    let viewers =
+        options.foxglove.map(|address| viewers_at(&robot, &names, address)).transpose()?;
     output::catch_interrupts();
     let twin = Twin::new(setup)?;
     output::print(&format!("http://{address}/?token={}\n", twin.token()))?;

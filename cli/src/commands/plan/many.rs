@@ -155,7 +155,7 @@ impl ProgramOutcome {
 
     fn failed(options: &Plan, name: String, failure: Failure) -> Self {
         let failure = failure.about(&name);
-        let line = || output::json_line(&Refusal { program: &name, error: failure.what() });
+        let line = || output::json_line(&Refusal { program: &name, error: failure.message() });
         Self {
             // Two texts can always be serialised.
             line: options.json.then(line).and_then(Result::ok),

@@ -47,12 +47,12 @@ pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failur
 /// them, except robot profiles and included files, which are beside the programs that name them,
 /// and scenes.
 fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let refuse = |error: io::Error| {
+    let to_failure = |error: io::Error| {
         Failure::input(format!("cannot read the folder {}: {error}", folder.display()))
     };
     let mut names = Vec::new();
-    for entry in fs::read_dir(folder).map_err(refuse)? {
-        let name = entry.map_err(refuse)?.file_name();
+    for entry in fs::read_dir(folder).map_err(to_failure)? {
+        let name = entry.map_err(to_failure)?.file_name();
         let hidden = name.as_encoded_bytes().starts_with(b".");
         let path = folder.join(&name);
         // A broken link is kept, so that it is reported as a program that cannot be read.
@@ -64,13 +64,15 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     #[cfg(feature = "sunrise")]
     if names.is_empty() && iiwa_sunrise::Project::has_sources(folder) {
         return Err(Failure::input(format!(
-            "the folder {} has no programs, but Java: for an application of a Sunrise project, name it with --application",
+            "the folder {} has no programs, but Java: for an application of a Sunrise project, \
+             name it with --application",
             folder.display()
         )));
     }
     if names.is_empty() {
         return Err(Failure::input(format!(
-            "the folder {} has no programs: files *.json that are no robot profiles, no scenes and not to be included",
+            "the folder {} has no programs: files *.json that are no robot profiles, no scenes and \
+             not to be included",
             folder.display()
         )));
     }

@@ -50,14 +50,14 @@ pub(super) fn write(
     request.options = plan_options(options);
     request.torque_limit_rel = options.limit_torque.map(|percent| percent / 100.0);
     request.speed_override = options.speed_override.map(|percent| percent / 100.0);
-    let planning = request.begin(&input.source).map_err(|error| input.refuse(&error))?;
+    let planning = request.begin(&input.source).map_err(|error| input.to_failure(&error))?;
     let mut planning = planning.interrupted_by(interrupt::flag());
     let robot = planning.robot().clone();
     let picture = options.picture.as_ref();
     let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&input.source.program));
     // Frees the memory of the program.
     let Input { name, source: ProgramSource { text, .. }, .. } = input;
-    let refuse = |error| Failure::program(&error, &name, text.as_read());
+    let to_failure = |error| Failure::program(&error, &name, text.as_read());
     let mut size = PlanSize::new(options.rate);
     let files = ArmFiles::new(&options.arm)?;
     let meshes = files.map(|files| files.meshes(&robot)).transpose()?;
@@ -84,7 +84,7 @@ pub(super) fn write(
     let mut tables = Tables::new(options)?;
     while let Some(section) = planning.next() {
         output::check_interrupt()?;
-        let section = section.map_err(refuse)?;
+        let section = section.map_err(to_failure)?;
         size.add(&section);
         if let Some(arm) = &arm {
             add_clearances(planning.figures_mut(), arm, &section);
@@ -146,8 +146,9 @@ fn too_large(options: &Plan, planning: Planning, mut size: PlanSize) -> Failure 
     let planned = planning.take_while(|_| !interrupt::has_come());
     planned.flatten().for_each(|section| size.add(&section));
     Failure::input(format!(
-        "the program takes {}: at {} Hz its file would have about {}, more than the {} of --max-file-size; \
-         lower --rate, raise --max-file-size, or print the figures only with --no-output",
+        "the program takes {}: at {} Hz its file would have about {}, more than the {} of \
+         --max-file-size; lower --rate, raise --max-file-size, or print the figures only with \
+         --no-output",
         long_duration(size.duration_s()),
         options.rate,
         ByteSize::b(size.bytes()).display().si(),

@@ -28,7 +28,7 @@ pub(crate) fn run(options: &Export) -> Result<(), Failure> {
     };
     let how = ExportOptions { name, class: options.name.clone() };
     let project = ExportedProject::new(&input.source.program, &robot, &how)
-        .map_err(|error| refused(&error, &input))?;
+        .map_err(|error| export_failure(&error, &input))?;
     let java = project.java_file();
     let data_file = ExportedProject::DATA_FILE;
     let files = [
@@ -53,7 +53,8 @@ pub(crate) fn run(options: &Export) -> Result<(), Failure> {
         print_note(&format!("Note: {}\n", printable(notice)));
     }
     output::print(&format!(
-        "{}: the application {}\n{}: its frames and tools\nThe arm must be at {start_deg} deg before the application runs.\n",
+        "{}: the application {}\n{}: its frames and tools\nThe arm must be at {start_deg} deg \
+         before the application runs.\n",
         folder.join(&java).display(),
         project.class,
         folder.join(data_file).display()
@@ -77,17 +78,17 @@ fn keep_existing(folder: &Path, overwrite: bool) -> Result<(), Failure> {
 }
 
 /// Converts an export error to a failure, with the place of the fault.
-fn refused(error: &ExportError, input: &Input) -> Failure {
+fn export_failure(error: &ExportError, input: &Input) -> Failure {
     let (name, text) = (&input.name, input.source.text.as_read());
     let motion = |motion: &MotionIndex| vec![Step::Key("motions"), Step::Index(motion.index())];
     let place = match error {
         ExportError::Fault(fault) => fault.place_in(text),
-        ExportError::NotInSunrise { motion: at, key, .. } => {
-            let mut steps = motion(at);
+        ExportError::NotInSunrise { motion: index, key, .. } => {
+            let mut steps = motion(index);
             steps.push(Step::Key(key));
             locate(text, &steps)
         }
-        ExportError::Name { motion: Some(at), .. } => locate(text, &motion(at)),
+        ExportError::Name { motion: Some(index), .. } => locate(text, &motion(index)),
         error => return Failure::input(format!("{name}: {error}{}", hint(error))),
     };
     Failure::in_text(&error.to_string(), &place, name, text)

@@ -72,7 +72,8 @@ def main():
     for entry in also:
         if len(entry) != 2 or entry[0].split("-")[-1] not in known:
             parser.error(
-                f"--also {'='.join(entry)}: it has to be PLATFORM=LIBRARY, as x86_64-windows=iiwasim.dll"
+                f"--also {'='.join(entry)}: it has to be PLATFORM=LIBRARY, as "
+                "x86_64-windows=iiwasim.dll"
             )
     robot = options.robot
     try:

@@ -70,7 +70,7 @@ impl LastError {
         let number = |n: Option<usize>| n.and_then(|n| u32::try_from(n).ok()).unwrap_or_default();
         let place = failure.and_then(|failure| failure.place);
         let text = failure.map_or("", |failure| &failure.message).replace('\0', "\u{fffd}");
-        let mut own = Self {
+        let mut failure = Self {
             error: IiwasimError {
                 status: failure.map_or(IiwasimStatus::Ok, |failure| failure.kind.into()),
                 line: number(place.map(|place| place.0)),
@@ -80,8 +80,8 @@ impl LastError {
             },
             message: CString::new(text).unwrap_or_default(),
         };
-        own.error.message = own.message.as_ptr();
-        own
+        failure.error.message = failure.message.as_ptr();
+        failure
     }
 }
 
@@ -102,21 +102,21 @@ pub(crate) fn call(work: impl FnOnce() -> Result<(), Failure>) -> IiwasimStatus 
 /// Returns the result, or converts a panic to a failure.
 pub(crate) fn caught<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        let what = panic
+        let message = panic
             .downcast_ref::<String>()
             .map(String::as_str)
             .or_else(|| panic.downcast_ref::<&str>().copied())
             .unwrap_or("for no stated reason");
         Err(Failure::new(
             FailureKind::Internal,
-            format!("the library failed; please report it, with the program: {what}"),
+            format!("the library failed; please report it, with the program: {message}"),
         ))
     })
 }
 
 /// Returns an argument that must not be NULL.
-pub(crate) fn given<T>(argument: Option<T>, what: &str) -> Result<T, Failure> {
-    argument.ok_or_else(|| Failure::argument(format!("{what} is NULL")))
+pub(crate) fn required<T>(argument: Option<T>, name: &str) -> Result<T, Failure> {
+    argument.ok_or_else(|| Failure::argument(format!("{name} is NULL")))
 }
 
 /// Writes the reason for the failure of the last call of this thread to `*error`. Its message is

@@ -5,7 +5,7 @@ use std::{ffi::c_char, mem::MaybeUninit, ptr};
 use iiwa_kin::Robot;
 
 use crate::{
-    border::{IiwasimStatus, call, given},
+    border::{IiwasimStatus, call, required},
     failure::Failure,
     planned::{Choices, ChosenTiming},
     pointers,
@@ -47,7 +47,7 @@ pub extern "C" fn iiwasim_options_default(
 ) -> IiwasimStatus {
     call(|| {
         let choices = Choices::default();
-        given(options, "options")?.write(IiwasimOptions {
+        required(options, "options")?.write(IiwasimOptions {
             robot: ptr::null(),
             timing: match choices.timing {
                 ChosenTiming::Jerk => IiwasimTiming::Jerk as i32,
@@ -75,10 +75,11 @@ impl IiwasimOptions {
             known if known == IiwasimTiming::Acceleration as i32 => ChosenTiming::Acceleration,
             known if known == IiwasimTiming::Sunrise as i32 => ChosenTiming::Sunrise,
             other => {
-                let what = format!(
-                    "options->timing is {other}; it must be 0 (jerk), 1 (acceleration) or 2 (sunrise)"
+                let message = format!(
+                    "options->timing is {other}; it must be 0 (jerk), 1 (acceleration) or 2 \
+                     (sunrise)"
                 );
-                return Err(Failure::argument(what));
+                return Err(Failure::argument(message));
             }
         };
         let percent = self.limit_torque_percent;
@@ -97,7 +98,8 @@ fn robot_of(name_or_profile: &str) -> Result<Robot, Failure> {
         let built_in = Robot::BUILT_IN.join(" and ");
         let name = iiwa_json::excerpt(name_or_profile);
         Failure::argument(format!(
-            "no robot is called `{name}`: {built_in} are built in, and a profile is given as its JSON text"
+            "no robot is called `{name}`: {built_in} are built in, and a profile is given as its \
+             JSON text"
         ))
     })
 }

@@ -3,7 +3,7 @@
 use std::{ffi::c_char, mem::MaybeUninit, ptr};
 
 use crate::{
-    border::{IiwasimStatus, call, given},
+    border::{IiwasimStatus, call, required},
     failure::Failure,
     options::IiwasimOptions,
     planned::{Choices, Planned},
@@ -35,8 +35,8 @@ pub unsafe extern "C" fn iiwasim_plan(
     plan: Option<&mut MaybeUninit<*mut IiwasimPlan>>,
 ) -> IiwasimStatus {
     call(|| {
-        let place = given(plan, "plan")?.write(ptr::null_mut());
-        let program = given(program, "program")?;
+        let place = required(plan, "plan")?.write(ptr::null_mut());
+        let program = required(program, "program")?;
         let (robot, choices) = match options {
             None => (None, Choices::default()),
             // SAFETY: the caller gives the same guarantee.
@@ -62,8 +62,8 @@ pub extern "C" fn iiwasim_plan_cycle_time_s(
     seconds: Option<&mut MaybeUninit<f64>>,
 ) -> IiwasimStatus {
     call(|| {
-        let plan = given(plan, "plan")?;
-        given(seconds, "seconds")?.write(plan.planned.trajectory().cycle_time_s());
+        let plan = required(plan, "plan")?;
+        required(seconds, "seconds")?.write(plan.planned.trajectory().cycle_time_s());
         Ok(())
     })
 }
@@ -77,8 +77,8 @@ pub extern "C" fn iiwasim_plan_at(
     state: Option<&mut MaybeUninit<IiwasimState>>,
 ) -> IiwasimStatus {
     call(|| {
-        let planned = &given(plan, "plan")?.planned;
-        let place = given(state, "state")?;
+        let planned = &required(plan, "plan")?.planned;
+        let place = required(state, "state")?;
         if t_s.is_nan() {
             return Err(Failure::argument("t_s is not a number"));
         }
@@ -106,8 +106,8 @@ pub unsafe extern "C" fn iiwasim_plan_sample(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> IiwasimStatus {
     call(|| {
-        let planned = &given(plan, "plan")?.planned;
-        let count_place = given(count, "count")?;
+        let planned = &required(plan, "plan")?.planned;
+        let count_place = required(count, "count")?;
         let samples = rate_hz * planned.trajectory().cycle_time_s();
         if !(rate_hz > 0.0 && samples <= MAX_SAMPLES) {
             return Err(Failure::argument(format!(
@@ -141,8 +141,8 @@ pub extern "C" fn iiwasim_plan_figures_json(
     json: Option<&mut MaybeUninit<*mut c_char>>,
 ) -> IiwasimStatus {
     call(|| {
-        let json = given(json, "json")?;
+        let json = required(json, "json")?;
         json.write(ptr::null_mut());
-        hand_out(given(plan, "plan")?.planned.figures_json()?, json)
+        hand_out(required(plan, "plan")?.planned.figures_json()?, json)
     })
 }

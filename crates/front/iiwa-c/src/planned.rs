@@ -40,9 +40,9 @@ impl Choices {
     /// Converts the options for the planner.
     fn plan_options(&self) -> Result<PlanOptions, Failure> {
         if !(2..=100_000).contains(&self.samples) {
-            let found = self.samples;
-            let what = format!("{found} samples per blend; it must be from 2 to 100000");
-            return Err(Failure::argument(what));
+            let samples = self.samples;
+            let message = format!("{samples} samples per blend; it must be from 2 to 100000");
+            return Err(Failure::argument(message));
         }
         let timing = match self.timing {
             ChosenTiming::Jerk => Timing::jerk_limited(),

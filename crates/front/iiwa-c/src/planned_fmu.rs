@@ -3,7 +3,7 @@
 use std::{ffi::c_char, mem::MaybeUninit, ptr};
 
 use crate::{
-    border::{IiwasimStatus, call, given},
+    border::{IiwasimStatus, call, required},
     fmu::fmu_files,
     plan::IiwasimPlan,
     planned::to_json,
@@ -26,9 +26,9 @@ pub unsafe extern "C" fn iiwasim_plan_fmu_json(
     json: Option<&mut MaybeUninit<*mut c_char>>,
 ) -> IiwasimStatus {
     call(|| {
-        let json = given(json, "json")?;
+        let json = required(json, "json")?;
         json.write(ptr::null_mut());
-        let plan = given(plan, "plan")?;
+        let plan = required(plan, "plan")?;
         // SAFETY: the caller gives the same guarantee.
         let name = unsafe { pointers::text(name, "name") }?;
         hand_out(to_json(&fmu_files(&plan.planned, name)?)?, json)

@@ -5,7 +5,7 @@ use std::{ffi::c_char, mem::MaybeUninit, path::Path};
 use iiwa_plan::ProgramSource;
 
 use crate::{
-    border::{IiwasimStatus, call, given},
+    border::{IiwasimStatus, call, required},
     pointers,
 };
 
@@ -30,7 +30,7 @@ pub unsafe extern "C" fn iiwasim_program_from_json(
     program: Option<&mut MaybeUninit<*mut IiwasimProgram>>,
 ) -> IiwasimStatus {
     call(|| {
-        let place = given(program, "program")?.write(std::ptr::null_mut());
+        let place = required(program, "program")?.write(std::ptr::null_mut());
         // SAFETY: the caller gives the same guarantee.
         let json = unsafe { pointers::text(json, "json") }?;
         let source = ProgramSource::from_json(json)?;
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn iiwasim_program_load(
     program: Option<&mut MaybeUninit<*mut IiwasimProgram>>,
 ) -> IiwasimStatus {
     call(|| {
-        let place = given(program, "program")?.write(std::ptr::null_mut());
+        let place = required(program, "program")?.write(std::ptr::null_mut());
         // SAFETY: the caller gives the same guarantee.
         let path = unsafe { pointers::text(path, "path") }?;
         let source = ProgramSource::load(Path::new(path))?;

@@ -24,7 +24,8 @@ def run(*command, code=0, **options):
     )
     if done.returncode != code:
         raise SystemExit(
-            f"{' '.join(map(str, command))}: exit code {done.returncode}, expected {code}\n{done.stdout}{done.stderr}"
+            f"{' '.join(map(str, command))}: exit code {done.returncode}, expected "
+            f"{code}\n{done.stdout}{done.stderr}"
         )
     return done
 
@@ -61,7 +62,10 @@ def check(library, program, loaded, folder):
         end = loaded.at(plan, cycle_time_s)
     printed = run(build / "plan_c", program).stdout.splitlines()
     assert printed[0] == f"iiwasim {own}: {cycle_time_s:.3f} s", printed[0]
-    line = f"  1.000 s  motion {at_1_s.motion}  A4 {at_1_s.q[3]:8.5f} rad {at_1_s.dq[3]:8.5f} rad/s  TCP "
+    line = (
+        f"  1.000 s  motion {at_1_s.motion}  A4 {at_1_s.q[3]:8.5f} rad {at_1_s.dq[3]:8.5f} rad/s  "
+        "TCP "
+    )
     assert printed[2].startswith(line), printed[2]
     cpp = run(build / "plan_cpp", program).stdout
     assert cpp == f"{cycle_time_s:.3f} s, then A4 is at {end.q[3]:.5f} rad\n", cpp

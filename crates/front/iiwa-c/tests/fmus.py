@@ -75,7 +75,8 @@ def check(library, binary, program, folder):
     assert largest <= TOLERANCE, results
     megabytes = fmu.stat().st_size / 1e6
     print(
-        f"{fmu.name}: {megabytes:.1f} MB, FMPy has found no problem; outputs differ by at most {largest:.1e}"
+        f"{fmu.name}: {megabytes:.1f} MB, FMPy has found no problem; outputs differ by at most "
+        f"{largest:.1e}"
     )
 
 

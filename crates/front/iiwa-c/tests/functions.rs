@@ -97,17 +97,17 @@ fn states_are_those_of_the_trajectory() {
     // SAFETY: the time was written.
     assert_eq!(unsafe { cycle_time_s.assume_init() }, trajectory.cycle_time_s());
     for expected in trajectory.samples(1000.0) {
-        let found = at(&plan, expected.t_s);
-        assert_eq!((found.t_s, found.q, found.dq), (expected.t_s, expected.q, expected.dq));
-        assert_eq!(found.ddq, expected.ddq);
-        assert_eq!(found.motion as usize, expected.motion.number());
+        let actual = at(&plan, expected.t_s);
+        assert_eq!((actual.t_s, actual.q, actual.dq), (expected.t_s, expected.q, expected.dq));
+        assert_eq!(actual.ddq, expected.ddq);
+        assert_eq!(actual.motion as usize, expected.motion.number());
         let flange = path.robot().flange_pose(&expected.q);
         // Only the last motion uses the gripper.
-        let reach_m = if found.motion == 3 { 0.12 } else { 0.0 };
+        let reach_m = if actual.motion == 3 { 0.12 } else { 0.0 };
         let tcp: [f64; 3] =
             std::array::from_fn(|i| flange.position_m[i] + reach_m * flange.rotation[i][2]);
-        assert!((0..3).all(|i| (found.tcp_m[i] - tcp[i]).abs() < 1e-12));
-        assert_eq!(found.tcp_xyzw, flange.quaternion_xyzw());
+        assert!((0..3).all(|i| (actual.tcp_m[i] - tcp[i]).abs() < 1e-12));
+        assert_eq!(actual.tcp_xyzw, flange.quaternion_xyzw());
     }
 }
 
@@ -138,11 +138,11 @@ fn samples_are_as_many_as_they_are_counted() {
 
 #[test]
 fn figures_are_those_of_the_trajectory() {
-    let mut found = figures(&plan(&program(PROGRAM).unwrap()).unwrap());
-    let warnings = found.as_object_mut().unwrap().remove("warnings").unwrap();
+    let mut actual = figures(&plan(&program(PROGRAM).unwrap()).unwrap());
+    let warnings = actual.as_object_mut().unwrap().remove("warnings").unwrap();
     assert_eq!(warnings, serde_json::json!([]));
     let (trajectory, options) = trajectory();
-    let figures: PlanFigures = serde_json::from_value(found).unwrap();
+    let figures: PlanFigures = serde_json::from_value(actual).unwrap();
     assert_eq!(figures, PlanFigures::of(&trajectory, &options));
 }
 
@@ -162,7 +162,7 @@ fn a_program_is_planned_for_the_robot_that_it_names() {
 }
 
 #[test]
-fn errors_say_where_and_are_of_their_thread() {
+fn errors_state_their_place_and_belong_to_their_thread() {
     let text = PROGRAM.replace("[20, 50,", "[20, 150,");
     let bad = program(&text).unwrap();
     assert!(plan(&bad).is_err());

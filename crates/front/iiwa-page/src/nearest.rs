@@ -45,7 +45,8 @@ impl Nearest {
             Some(format!("{part} touches {other}{when}"))
         } else if *distance_mm < min_mm {
             Some(format!(
-                "{part} comes within {distance_mm:.1} mm of {other}{when}; the minimum is {min_mm} mm"
+                "{part} comes within {distance_mm:.1} mm of {other}{when}; the minimum is {min_mm} \
+                 mm"
             ))
         } else {
             None

@@ -59,7 +59,7 @@ impl<'a> TwinRobot<'a> {
         Self {
             name: robot.name(),
             urdf: robot.to_urdf(),
-            look: meshes.map_or_else(|| Look::own(robot), Look::of_meshes),
+            look: meshes.map_or_else(|| Look::built_in(robot), Look::of_meshes),
             lower_rad: robot.limits().lower_rad,
             upper_rad: robot.limits().upper_rad,
             torque_nm: robot.limits().torque_nm,

@@ -116,14 +116,14 @@ struct TorqueRow {
 }
 
 impl From<&TorqueDifference> for TorqueRow {
-    fn from(found: &TorqueDifference) -> Self {
+    fn from(difference: &TorqueDifference) -> Self {
         Self {
-            rms_nm: found.rms_nm,
-            max_nm: found.largest_nm,
-            recording_s: found.largest_at_s,
-            planned_peak_nm: found.planned_peak_nm,
-            samples: found.samples,
-            turned: found.turned,
+            rms_nm: difference.rms_nm,
+            max_nm: difference.largest_nm,
+            recording_s: difference.largest_at_s,
+            planned_peak_nm: difference.planned_peak_nm,
+            samples: difference.samples,
+            turned: difference.turned,
         }
     }
 }
@@ -152,30 +152,30 @@ impl From<&StopTime> for StopTimeRow {
 
 impl From<&Deviation> for JointRow {
     fn from(deviation: &Deviation) -> Self {
-        let at = &deviation.at;
+        let place = &deviation.at;
         Self {
             mean_rad: deviation.mean,
             max_rad: deviation.max,
-            motion: at.motion.number(),
-            plan_s: at.plan_s,
-            recording_s: at.recording_s,
-            planned_rad: at.planned_rad,
-            measured_rad: at.measured_rad,
+            motion: place.motion.number(),
+            plan_s: place.plan_s,
+            recording_s: place.recording_s,
+            planned_rad: place.planned_rad,
+            measured_rad: place.measured_rad,
         }
     }
 }
 
 impl From<&Deviation> for TcpRow {
     fn from(deviation: &Deviation) -> Self {
-        let at = &deviation.at;
+        let place = &deviation.at;
         Self {
             mean_mm: 1e3 * deviation.mean,
             max_mm: 1e3 * deviation.max,
-            motion: at.motion.number(),
-            plan_s: at.plan_s,
-            recording_s: at.recording_s,
-            planned_m: at.planned_tcp_m,
-            measured_m: at.measured_tcp_m,
+            motion: place.motion.number(),
+            plan_s: place.plan_s,
+            recording_s: place.recording_s,
+            planned_m: place.planned_tcp_m,
+            measured_m: place.measured_tcp_m,
         }
     }
 }
@@ -298,7 +298,8 @@ impl ComparisonReport {
         );
         let _ = writeln!(
             text,
-            "            of which {:.3} s are the plan's standing at the start and the end, in both",
+            "            of which {:.3} s are the plan's standing at the start and the end, in \
+             both",
             cycle.standing_s
         );
         if let Some(stated_s) = cycle.stated_s {
@@ -334,7 +335,8 @@ impl ComparisonReport {
             let turned = if torques.turned { ", which have the sign of plans already" } else { "" };
             let _ = writeln!(
                 text,
-                "Torques     A1 to A7 off the plan's by {} Nm rms, at most {} Nm, of {} Nm at most, in {} samples{turned}",
+                "Torques     A1 to A7 off the plan's by {} Nm rms, at most {} Nm, of {} Nm at \
+                 most, in {} samples{turned}",
                 list(&torques.rms_nm),
                 list(&torques.max_nm),
                 list(&torques.planned_peak_nm),
@@ -353,7 +355,8 @@ impl ComparisonReport {
         if let Some(again_s) = self.again_s {
             let _ = writeln!(
                 text,
-                "The program is in the recording again, from {again_s:.3} s on: the first time counts"
+                "The program is in the recording again, from {again_s:.3} s on: the first time \
+                 counts"
             );
         }
         for loss in &self.losses {

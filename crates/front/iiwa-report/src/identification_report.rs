@@ -131,13 +131,13 @@ impl From<&BlendObservation> for BlendRow {
 }
 
 impl IdentificationReport {
-    /// Creates the report on `found`, identified from `recordings` in the same order; `robot` is
+    /// Creates the report on a model `identified` from `recordings` in the same order; `robot` is
     /// the name of the identified robot, and `output` the file of its profile, if written.
     #[must_use]
     pub fn new(
         recordings: &[(&str, &JointLog)],
         robot: &str,
-        found: &Identified,
+        identified: &Identified,
         output: Option<&Path>,
     ) -> Self {
         let degrees = |figures: &[Option<Estimate>; 7]| {
@@ -146,29 +146,32 @@ impl IdentificationReport {
         let lost = recordings.iter().flat_map(|(name, log)| {
             losses(log).into_iter().map(move |loss| format!("{name}: {loss}"))
         });
-        let left_out = found.left_out.iter().map(|left| {
+        let left_out = identified.left_out.iter().map(|left| {
             format!("{}, motion {}: {}", recordings[left.recording].0, left.motion, left.why)
         });
-        let unused = found.unused_torques.iter();
+        let unused = identified.unused_torques.iter();
         let unused = unused.map(|(recording, why)| format!("{}: {why}", recordings[*recording].0));
         Self {
             robot: robot.to_owned(),
             recordings: recordings.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            velocity_deg_s: degrees(&found.velocity_rad_s),
-            acceleration_deg_s2: degrees(&found.acceleration_rad_s2),
-            jerk_deg_s3: degrees(&found.jerk_rad_s3),
-            ramps: found.ramps.as_ref().map(RampFigures::new),
-            settle: found.settle.map(|settle| SettleFigure {
+            velocity_deg_s: degrees(&identified.velocity_rad_s),
+            acceleration_deg_s2: degrees(&identified.acceleration_rad_s2),
+            jerk_deg_s3: degrees(&identified.jerk_rad_s3),
+            ramps: identified.ramps.as_ref().map(RampFigures::new),
+            settle: identified.settle.map(|settle| SettleFigure {
                 mean_s: settle.mean_s.into(),
                 deviation_s: settle.deviation_s,
             }),
-            kappa: found.kappa.as_ref().map(|kappa| KappaFigure::new(kappa, found.blends.len())),
-            unequal_share: found.unequal_share.map(Figure::from),
-            tcp: TcpFigures::of(found),
-            torques: found.torques.as_ref().map(TorqueFigures::new),
-            lines: found.lines.iter().map(LineRow::from).collect(),
-            blends: found.blends.iter().map(BlendRow::from).collect(),
-            losses: lost.chain(unexplained(found)).chain(left_out).chain(unused).collect(),
+            kappa: identified
+                .kappa
+                .as_ref()
+                .map(|kappa| KappaFigure::new(kappa, identified.blends.len())),
+            unequal_share: identified.unequal_share.map(Figure::from),
+            tcp: TcpFigures::of(identified),
+            torques: identified.torques.as_ref().map(TorqueFigures::new),
+            lines: identified.lines.iter().map(LineRow::from).collect(),
+            blends: identified.blends.iter().map(BlendRow::from).collect(),
+            losses: lost.chain(unexplained(identified)).chain(left_out).chain(unused).collect(),
             output: output.map(|file| file.display().to_string()),
         }
     }

@@ -117,12 +117,12 @@ impl ImportReport {
         let renamed = cell.renamed.iter().map(|entry| RenamedRow {
             from: entry.from.clone(),
             to: entry.to.clone(),
-            why: entry.why,
+            why: entry.reason,
         });
         let not_taken = file.not_taken.iter().map(|entry| NotTakenRow {
-            what: entry.what.clone(),
+            what: entry.kind.clone(),
             count: entry.count,
-            why: entry.why.clone(),
+            why: entry.reason.clone(),
         });
         Self {
             robot: robot.name().to_owned(),
@@ -203,8 +203,8 @@ impl ImportReport {
         );
         let _ = writeln!(
             text,
-            "{} of {} taught frames agree with {}: within reach and limits, with the status and the turn that \
-             were taught",
+            "{} of {} taught frames agree with {}: within reach and limits, with the status and \
+             the turn that were taught",
             self.agreeing, self.taught, self.robot
         );
         if let Some(OtherFlange { flange_mm, agreeing }) = &self.other_flange {
@@ -220,8 +220,8 @@ impl ImportReport {
     }
 }
 
-fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 impl FrameRow {
@@ -281,6 +281,6 @@ fn taught_on(cell: &ImportedCell) -> Option<&'static str> {
     let devices = cell.frames.iter().filter_map(|frame| frame.teaching.as_ref());
     let devices: Vec<_> = devices.map(|teaching| teaching.device.to_ascii_lowercase()).collect();
     let count = |name: &&str| devices.iter().filter(|device| device.starts_with(name)).count();
-    let most = Robot::BUILT_IN.into_iter().max_by_key(count)?;
-    (2 * count(&most) > devices.len()).then_some(most)
+    let candidate = Robot::BUILT_IN.into_iter().max_by_key(count)?;
+    (2 * count(&candidate) > devices.len()).then_some(candidate)
 }

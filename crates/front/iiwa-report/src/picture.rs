@@ -73,15 +73,15 @@ fn svg(
     {
         let root =
             SVGBackend::with_string(&mut svg, (FINE * width, FINE * height)).into_drawing_area();
-        root.fill(&WHITE).map_err(refused)?;
-        draw(&root).map_err(|error| refused(error.to_string()))?;
-        root.present().map_err(refused)?;
+        root.fill(&WHITE).map_err(to_error)?;
+        draw(&root).map_err(|error| to_error(error.to_string()))?;
+        root.present().map_err(to_error)?;
     }
     let size = |factor: u32| format!("width=\"{}\" height=\"{}\"", factor * width, factor * height);
     Ok(svg.replacen(&size(FINE), &size(1), 1))
 }
 
-fn refused(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ReportError {
+fn to_error(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ReportError {
     ReportError::Draw { source: error.into() }
 }
 

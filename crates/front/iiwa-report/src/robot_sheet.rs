@@ -25,15 +25,15 @@ pub fn robot_sheet(robot: &Robot) -> String {
     let flange_mm = rounded(robot.lengths().flange_m * 1e3);
     let _ = writeln!(
         text,
-        "d of A7 is the flange: {flange_mm} mm from the wrist. With another one, as the plain flange of\n126 mm, \
-         use a profile with \"lengths_mm\": {{\"flange\": 126}}\n"
+        "d of A7 is the flange: {flange_mm} mm from the wrist. With another one, as the plain \
+         flange of\n126 mm, use a profile with \"lengths_mm\": {{\"flange\": 126}}\n"
     );
 
     let limits = robot.limits();
     let mut rows = table(&["quantity", "unit", "A1", "A2", "A3", "A4", "A5", "A6", "A7"]);
-    let mark = |what: &str| if robot.assumes(what) { " *" } else { "" };
+    let mark = |quantity: &str| if robot.assumes(quantity) { " *" } else { "" };
     let degrees = |values: [f64; 7]| values.map(f64::to_degrees);
-    for (what, unit, values) in [
+    for (quantity, unit, values) in [
         ("position from", "deg", degrees(limits.lower_rad)),
         ("position to", "deg", degrees(limits.upper_rad)),
         ("velocity", "deg/s", degrees(limits.velocity_rad_s)),
@@ -41,7 +41,7 @@ pub fn robot_sheet(robot: &Robot) -> String {
         ("jerk", "deg/s^3", degrees(limits.jerk_rad_s3)),
         ("torque", "Nm", limits.torque_nm),
     ] {
-        let mut row = vec![format!("{what}{}", mark(what)), unit.to_owned()];
+        let mut row = vec![format!("{quantity}{}", mark(quantity)), unit.to_owned()];
         let shown =
             |value: f64| if value.abs() >= 1e3 { format!("{value:.0}") } else { rounded(value) };
         row.extend(values.map(shown));
@@ -49,8 +49,9 @@ pub fn robot_sheet(robot: &Robot) -> String {
     }
     let _ = writeln!(text, "{rows}\n");
 
-    let mut kappa = |what: &str, [c0, c1, c2]: &[f64; 3]| {
-        let _ = writeln!(text, "kappa of {what}: {c0} + {c1} gamma + {c2} gamma^2, gamma in deg");
+    let mut kappa = |quantity: &str, [c0, c1, c2]: &[f64; 3]| {
+        let _ =
+            writeln!(text, "kappa of {quantity}: {c0} + {c1} gamma + {c2} gamma^2, gamma in deg");
     };
     kappa("blends", robot.blend_kappa());
     if robot.tcp_blend_kappa() != robot.blend_kappa() {
@@ -60,7 +61,8 @@ pub fn robot_sheet(robot: &Robot) -> String {
         writeln!(text, "Settles for {} s after a motion without a blend", robot.settle_time_s());
     let _ = writeln!(
         text,
-        "Stands for {} s after a motion that the program waits for; T1 holds TCP and flange at {} mm/s",
+        "Stands for {} s after a motion that the program waits for; T1 holds TCP and flange at {} \
+         mm/s",
         robot.blocking_pause_s(),
         rounded(1e3 * robot.t1_speed_m_s())
     );

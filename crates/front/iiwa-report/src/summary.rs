@@ -44,7 +44,10 @@ impl SummaryRow {
             (self.too_near, "too near"),
             (self.overloaded, "overloaded"),
         ];
-        let unmet: Vec<_> = unmet.into_iter().filter_map(|(is, what)| is.then_some(what)).collect();
+        let unmet: Vec<_> = unmet
+            .into_iter()
+            .filter_map(|(is_unmet, message)| is_unmet.then_some(message))
+            .collect();
         if unmet.is_empty() { "planned".to_owned() } else { unmet.join(", ") }
     }
 }
@@ -179,7 +182,7 @@ impl Summary {
                     format!("{:.3}", times.motion_s),
                     format!("{:.3}", times.standing_s),
                     times.limited_by.clone().unwrap_or_default(),
-                    times.torque_percent.map(|of| format!("{of:.0}")).unwrap_or_default(),
+                    times.torque_percent.map(|percent| format!("{percent:.0}")).unwrap_or_default(),
                 ]
             });
             cells.extend(figures.unwrap_or_default());

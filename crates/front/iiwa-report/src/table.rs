@@ -98,8 +98,8 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     let PlanFigures { cycle_time_s, motion_time_s, settle_time_s, wait_time_s, .. } = figures;
     let _ = writeln!(
         text,
-        "Cycle time {cycle_time_s:.3} s = {motion_time_s:.3} s motion + {settle_time_s:.3} s settling \
-         + {wait_time_s:.3} s waiting"
+        "Cycle time {cycle_time_s:.3} s = {motion_time_s:.3} s motion + {settle_time_s:.3} s \
+         settling + {wait_time_s:.3} s waiting"
     );
     shortened_lines(&mut text, &figures.blends_too_late, late_blend);
     let mut limits = vec!["velocity", "acceleration"];
@@ -130,7 +130,8 @@ pub fn plan_table(figures: &PlanFigures) -> String {
         let PowerRecord { peak_w, at_s } = power;
         let _ = writeln!(
             text,
-            "Joints, link side: {done:.1} J of work, {back:.1} J back, at most {peak_w:.0} W at {at_s:.3} s"
+            "Joints, link side: {done:.1} J of work, {back:.1} J back, at most {peak_w:.0} W at \
+             {at_s:.3} s"
         );
     }
     if let Some(nearest) = &figures.clearance {
@@ -150,11 +151,11 @@ pub fn plan_table(figures: &PlanFigures) -> String {
 pub fn assumption_lines(rests_on: &[AssumptionRecord]) -> String {
     let mut text = String::new();
     for AssumptionRecord { what, motions, first, .. } in rests_on {
-        let of = match motions {
+        let total = match motions {
             1 => format!("motion {first}"),
             more => format!("{more} motions, the first is {first}"),
         };
-        let _ = writeln!(text, "Assumed of {of}: {what}");
+        let _ = writeln!(text, "Assumed of {total}: {what}");
     }
     if text.is_empty() {
         text.push_str("Nothing assumed of the controller: the time rests on what was recorded\n");
@@ -178,7 +179,8 @@ fn shortened_lines<T>(text: &mut String, all: &[T], line: impl Fn(&T) -> String)
 fn late_blend(late: &LateBlendRecord) -> String {
     let LateBlendRecord { after_motion, known_s, needed_s } = late;
     format!(
-        "Blend after motion {after_motion} too late: what follows is known at {known_s:.3} s, needed by {needed_s:.3} s"
+        "Blend after motion {after_motion} too late: what follows is known at {known_s:.3} s, \
+         needed by {needed_s:.3} s"
     )
 }
 

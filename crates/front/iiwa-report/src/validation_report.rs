@@ -85,8 +85,8 @@ const SLOWER_PERCENT: f64 = -8.0;
 
 const PLAN: &str = "the recording is a plan: nothing of it was measured on a robot";
 
-const SLOWER: &str = "most motions took far longer than planned: was the robot in T1, which caps the speed of the flange, or at \
-    another override than stated?";
+const SLOWER: &str = "most motions took far longer than planned: was the robot in T1, which caps \
+    the speed of the flange, or at another override than stated?";
 
 impl Spread {
     fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
@@ -94,8 +94,8 @@ impl Spread {
         all.sort_by(f64::total_cmp);
         let worst = *all.last()?;
         // Smallest value that this percentage of the values does not exceed.
-        let most = |percent: usize| all[(all.len() * percent).div_ceil(100).max(1) - 1];
-        Some(Self { median: most(50), most: most(95), worst })
+        let percentile = |percent: usize| all[(all.len() * percent).div_ceil(100).max(1) - 1];
+        Some(Self { median: percentile(50), most: percentile(95), worst })
     }
 }
 
@@ -177,16 +177,16 @@ impl ValidationReport {
         });
         let mut text = format!("{}\n\n", rows.trim_fmt());
         let score = &self.score;
-        for (what, spread, digits, unit) in [
+        for (quantity, spread, digits, unit) in [
             ("Time      ", score.time_percent, 2, "%"),
             ("Joints    ", score.joint_off_deg, 4, "deg"),
             ("TCP       ", score.tcp_off_mm, 3, "mm"),
         ] {
-            let Some(Spread { median, most, worst }) = spread else { continue };
+            let Some(Spread { median, most: max, worst }) = spread else { continue };
             let _ = writeln!(
                 text,
-                "{what}  off by {median:.digits$} {unit} (median), {most:.digits$} {unit} (95 % of the motions), \
-                 {worst:.digits$} {unit} (worst)"
+                "{quantity}  off by {median:.digits$} {unit} (median), {max:.digits$} {unit} (95 % \
+                 of the motions), {worst:.digits$} {unit} (worst)"
             );
         }
         let cycle = signed(score.cycle_time_percent, 2);

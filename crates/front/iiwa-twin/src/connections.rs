@@ -163,7 +163,7 @@ struct ConnectionState {
 /// Error: the maximum number of verified connections of this kind is reached.
 #[derive(Debug)]
 pub(crate) struct Full {
-    pub(crate) most: usize,
+    pub(crate) max: usize,
 }
 
 impl Connection {
@@ -174,12 +174,12 @@ impl Connection {
     /// Marks a connection as verified, once it has presented the token.
     pub(crate) fn verify(&self, is_page: bool) -> Result<(), Full> {
         let ConnectionState { number, verified, connections, .. } = &*self.0;
-        let (permits, most) = if is_page {
+        let (permits, max) = if is_page {
             (&connections.pages, MAX_PAGES)
         } else {
             (&connections.requests, MAX_OTHERS)
         };
-        let permit = permits.clone().try_acquire_owned().map_err(|_| Full { most })?;
+        let permit = permits.clone().try_acquire_owned().map_err(|_| Full { max })?;
         // A connection has one request; a second permit would be released at once.
         let _ = verified.set(permit);
         connections.unverified().remove(number);
@@ -252,7 +252,7 @@ mod tests {
             page.verify(true).unwrap();
         }
         let more = connect(&connections, 1000);
-        assert_eq!(more.verify(true).unwrap_err().most, MAX_PAGES);
+        assert_eq!(more.verify(true).unwrap_err().max, MAX_PAGES);
         // Other requests have separate permits.
         more.verify(false).unwrap();
         // A permit is held until the last clone is dropped.

@@ -28,10 +28,10 @@ pub enum TwinError {
     #[error("cannot write the recording")]
     Recording(#[from] WriteError),
     /// A file of a program cannot be written, or a folder cannot be created.
-    #[error("cannot {what}")]
+    #[error("cannot {operation}")]
     File {
         /// Failed operation, such as `write a.json`.
-        what: String,
+        operation: String,
         /// Cause.
         source: io::Error,
     },
@@ -45,10 +45,10 @@ pub enum TwinError {
     #[error("the system gives no random numbers")]
     Random(#[source] getrandom::Error),
     /// An internal task for a page failed.
-    #[error("{what}")]
+    #[error("{message}")]
     BrokenDown {
         /// Failure, such as `planning failed`.
-        what: &'static str,
+        message: &'static str,
         /// Cause.
         source: Box<dyn Error + Send + Sync>,
     },
@@ -63,7 +63,7 @@ pub enum TwinError {
         error: Box<iiwa_plan::Error>,
     },
     /// The file of saved positions is not valid JSON of this kind.
-    #[error("{}, {place}: {what}", file.display())]
+    #[error("{}, {place}: {message}", file.display())]
     PositionsText {
         /// Path of the file.
         file: PathBuf,
@@ -72,30 +72,30 @@ pub enum TwinError {
         /// Place of the fault in the content.
         place: Place,
         /// Fault of the file.
-        what: String,
+        message: String,
     },
     /// The file of saved positions has content that the twin rejects.
-    #[error("{}: {what}", file.display())]
+    #[error("{}: {message}", file.display())]
     Positions {
         /// Path of the file.
         file: PathBuf,
         /// Fault of the file.
-        what: String,
+        message: String,
     },
     /// The saved positions belong to another robot.
-    #[error("{}: positions of the robot `{robot}`, not of {own}", file.display())]
+    #[error("{}: positions of the robot `{robot}`, not of {twin_robot}", file.display())]
     PositionsOfAnother {
         /// Path of the file.
         file: PathBuf,
         /// Robot of the positions.
         robot: String,
         /// Robot of the twin.
-        own: String,
+        twin_robot: String,
     },
 }
 
 impl TwinError {
-    pub(crate) fn file(what: impl Into<String>, source: io::Error) -> Self {
-        Self::File { what: what.into(), source }
+    pub(crate) fn file(message: impl Into<String>, source: io::Error) -> Self {
+        Self::File { operation: message.into(), source }
     }
 }

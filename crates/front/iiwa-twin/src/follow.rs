@@ -33,12 +33,12 @@ impl LatestJoints {
     pub(crate) fn now(&self) -> Option<Joints> {
         const FRESH: Duration = Duration::from_secs(1);
         let newest = *self.0.lock().ok()?;
-        newest.filter(|(at, _)| at.elapsed() < FRESH).map(|(_, joints_rad)| joints_rad)
+        newest.filter(|(received, _)| received.elapsed() < FRESH).map(|(_, joints_rad)| joints_rad)
     }
 
-    fn set(&self, at: Instant, joints_rad: Joints) {
+    fn set(&self, received: Instant, joints_rad: Joints) {
         if let Ok(mut newest) = self.0.lock() {
-            *newest = Some((at, joints_rad));
+            *newest = Some((received, joints_rad));
         }
     }
 }

@@ -49,7 +49,7 @@ impl Token {
 
     /// Returns true if the text is the token, in a time that does not depend on the number of
     /// matching characters.
-    fn is(&self, text: &str) -> bool {
+    fn equals(&self, text: &str) -> bool {
         let differ = |sum: u8, (a, b): (u8, u8)| sum | (a ^ b);
         self.0.len() == text.len() && self.0.bytes().zip(text.bytes()).fold(0, differ) == 0
     }
@@ -67,9 +67,10 @@ pub(crate) async fn guard(
     let mut response = match checked {
         Ok(()) => match connection.verify(request.uri().path() == LIVE) {
             Ok(()) => next.run(request).await,
-            Err(Full { most }) => {
+            Err(Full { max }) => {
                 let why = format!(
-                    "there are {most} connections, which is the most: close other pages of the twin\n"
+                    "there are {max} connections, which is the most: close other pages of the \
+                     twin\n"
                 );
                 (StatusCode::SERVICE_UNAVAILABLE, why).into_response()
             }
@@ -141,7 +142,7 @@ fn check(
         let (name, value) = part.split_once('=').unwrap_or((part, ""));
         (name == "token").then_some(value)
     });
-    if !only("token", tokens)?.is_some_and(|text| token.is(text)) {
+    if !only("token", tokens)?.is_some_and(|text| token.equals(text)) {
         return Err(Forbidden::Token);
     }
     let is_own = |origin: &HeaderValue| {
@@ -197,15 +198,18 @@ mod tests {
     fn only_the_page_itself_gets_in() {
         const ME: &str = "127.0.0.1:40000";
         let host = (HOST, "127.0.0.1:5562");
-        let own = (ORIGIN, "http://127.0.0.1:5562");
+        let own_origin = (ORIGIN, "http://127.0.0.1:5562");
         assert_eq!(checked("/?token=0123", ME, std::slice::from_ref(&host)), Ok(()));
-        assert_eq!(checked("/live?a=b&token=0123", ME, &[host.clone(), own.clone()]), Ok(()));
+        assert_eq!(
+            checked("/live?a=b&token=0123", ME, &[host.clone(), own_origin.clone()]),
+            Ok(())
+        );
         assert_eq!(checked("/?token=0123", "[::1]:9", &[(HOST, "localhost:1")]), Ok(()));
         let refused = |uri: &str, peer: &str, headers: &[(HeaderName, &str)]| {
             checked(uri, peer, headers).unwrap_err();
         };
         for uri in ["/", "/?token=", "/?token=0124", "/?token=01234", "/?Token=0123", "/live"] {
-            refused(uri, ME, &[host.clone(), own.clone()]);
+            refused(uri, ME, &[host.clone(), own_origin.clone()]);
         }
         refused("/?token=0123", "192.168.1.7:40000", std::slice::from_ref(&host));
         for name in ["evil.example", "127.0.0.1.evil.example", "192.168.1.7:5562", "", "a b"] {
@@ -221,7 +225,7 @@ mod tests {
         refused("/live?token=0123", ME, std::slice::from_ref(&host));
         let post =
             |headers: &[(HeaderName, &str)]| asked(&Method::POST, "/p?token=0123", ME, headers);
-        assert_eq!(post(&[host.clone(), own]), Ok(()));
+        assert_eq!(post(&[host.clone(), own_origin]), Ok(()));
         post(&[host.clone(), (ORIGIN, "http://evil.example")]).unwrap_err();
         post(&[host]).unwrap_err();
     }
@@ -229,25 +233,28 @@ mod tests {
     #[test]
     fn repeated_hosts_origins_and_tokens_are_rejected() {
         const ME: &str = "127.0.0.1:40000";
-        let (own, foreign) = ("127.0.0.1:5562", "evil.example");
+        let (own_host, foreign) = ("127.0.0.1:5562", "evil.example");
         let (page, other) = ("http://127.0.0.1:5562", "http://evil.example");
         let host = |name| (HOST, name);
         let origin = |name| (ORIGIN, name);
-        let repeated = |what| Err(Forbidden::Repeated(what));
-        for second in [own, foreign] {
-            for hosts in [[host(own), host(second)], [host(second), host(own)]] {
+        let repeated = |header| Err(Forbidden::Repeated(header));
+        for second in [own_host, foreign] {
+            for hosts in [[host(own_host), host(second)], [host(second), host(own_host)]] {
                 assert_eq!(checked("/?token=0123", ME, &hosts), repeated("Host"), "{hosts:?}");
             }
         }
         // The target of a request may be an absolute URL.
         let target = "http://127.0.0.1:5562/?token=0123";
-        assert_eq!(checked(target, ME, &[host(own)]), Ok(()));
-        assert_eq!(checked("http://evil.example/?token=0123", ME, &[host(own)]), repeated("Host"));
+        assert_eq!(checked(target, ME, &[host(own_host)]), Ok(()));
+        assert_eq!(
+            checked("http://evil.example/?token=0123", ME, &[host(own_host)]),
+            repeated("Host")
+        );
         for second in [page, other] {
             for origins in [[origin(page), origin(second)], [origin(second), origin(page)]] {
-                let headers = [&[host(own)], &origins[..]].concat();
-                let found = checked("/live?token=0123", ME, &headers);
-                assert_eq!(found, repeated("Origin"), "{headers:?}");
+                let headers = [&[host(own_host)], &origins[..]].concat();
+                let result = checked("/live?token=0123", ME, &headers);
+                assert_eq!(result, repeated("Origin"), "{headers:?}");
             }
         }
         for query in [
@@ -256,8 +263,8 @@ mod tests {
             "token=&token=0123",
             "token&token=0123",
         ] {
-            let found = checked(&format!("/?{query}"), ME, &[host(own)]);
-            assert_eq!(found, repeated("token"), "{query}");
+            let result = checked(&format!("/?{query}"), ME, &[host(own_host)]);
+            assert_eq!(result, repeated("token"), "{query}");
         }
         assert_eq!(Forbidden::Repeated("Host").to_string(), "the request has more than one Host");
     }
@@ -267,6 +274,6 @@ mod tests {
         let [a, b] = [Token::new().unwrap(), Token::new().unwrap()];
         assert_ne!(a.text(), b.text());
         assert_eq!(a.text().len(), 32);
-        assert!(a.is(a.text()) && !a.is(b.text()));
+        assert!(a.equals(a.text()) && !a.equals(b.text()));
     }
 }

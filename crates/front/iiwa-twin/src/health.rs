@@ -73,7 +73,7 @@ pub(crate) fn watch_health(setup: &Setup, pages: &PageChannel, viewers: Option<&
             }
             let idle =
                 health.status.as_ref().is_some_and(|status| status.state == DriveState::Idle);
-            if idle && io_at.is_none_or(|at| at.elapsed() >= IO_PERIOD) {
+            if idle && io_at.is_none_or(|last| last.elapsed() >= IO_PERIOD) {
                 io_at = Some(since);
                 health.read_sensors_and_io(client, setup);
             }
@@ -113,8 +113,9 @@ impl Health {
                 Err(error) => return self.clear(&error, setup),
             };
         }
-        let direction =
-            |name: &String| self.directions.as_ref().and_then(|of| of.get(name)).copied();
+        let direction = |name: &String| {
+            self.directions.as_ref().and_then(|directions| directions.get(name)).copied()
+        };
         let mut all = Vec::with_capacity(setup.io.len());
         for name in &setup.io {
             let (value, error) = match client.get_io(name) {
@@ -135,16 +136,16 @@ impl Health {
     }
 
     fn publish(&self, viewers: &Viewers) {
-        let at = SystemTime::now();
+        let time = SystemTime::now();
         if let Some(status) = &self.status {
-            viewers.drive_state(at, status);
+            viewers.drive_state(time, status);
         }
         if let Some(sensors) = &self.sensors {
-            viewers.sensors(at, sensors);
+            viewers.sensors(time, sensors);
         }
         let known: Vec<_> = self.io.iter().filter_map(|io| Some((&*io.name, io.value?))).collect();
         if !known.is_empty() {
-            viewers.inputs_outputs(at, &known);
+            viewers.inputs_outputs(time, &known);
         }
     }
 }

@@ -41,37 +41,38 @@ pub(crate) struct Planned {
 impl Planned {
     /// Plans a program. Errors are shown on the page, with the place of the fault in the text.
     pub(crate) fn new(id: u64, name: &str, text: String, setup: &Setup) -> Result<Self, String> {
-        let what = |error: TwinError| setup.words(&error);
-        let refuse = |error| {
+        let words = |error: TwinError| setup.words(&error);
+        let to_error = |error| {
             let (name, text, error) = (name.to_owned(), text.clone(), Box::new(error));
-            what(TwinError::Program { name, text, error })
+            words(TwinError::Program { name, text, error })
         };
-        let source = ProgramSource::from_json(&text).map_err(refuse)?;
+        let source = ProgramSource::from_json(&text).map_err(to_error)?;
         let program = &source.program;
         let motions = program.motions.len();
         if motions > MAX_MOTIONS {
             return Err(format!(
-                "{name} has {motions} motions; the twin plans up to {MAX_MOTIONS}. iiwasim plan and iiwasim run \
-                 have no such limit"
+                "{name} has {motions} motions; the twin plans up to {MAX_MOTIONS}. iiwasim plan \
+                 and iiwasim run have no such limit"
             ));
         }
-        let own = [setup.robot.name(), &setup.robot_name];
-        if let Some(other) = program.robot.as_deref().filter(|other| !own.contains(other)) {
+        let robot_names = [setup.robot.name(), &setup.robot_name];
+        if let Some(other) = program.robot.as_deref().filter(|other| !robot_names.contains(other)) {
             return Err(format!(
                 "{name} is a program for the robot `{other}`; the twin was started for `{}`",
-                own[0]
+                robot_names[0]
             ));
         }
         let flange_m = setup.robot.lengths().flange_m;
         if let Some(other_m) = program.workcell.flange_m.filter(|other_m| *other_m != flange_m) {
             return Err(format!(
-                "{name} is a program for a flange of {:.0} mm; the twin was started with one of {:.0} mm",
+                "{name} is a program for a flange of {:.0} mm; the twin was started with one of \
+                 {:.0} mm",
                 1e3 * other_m,
                 1e3 * flange_m
             ));
         }
         let request = PlanRequest { robot: Some(setup.robot.clone()), ..PlanRequest::default() };
-        let plan = request.plan(&source).map_err(refuse)?;
+        let plan = request.plan(&source).map_err(to_error)?;
         let trajectory = &plan.trajectory;
         check_size(trajectory)?;
         let nearest = setup.nearest_of(trajectory);
@@ -79,7 +80,7 @@ impl Planned {
         let figures = plan.figures();
         let warnings = plan.warnings(&figures);
 
-        let [json, mcap] = setup.new_files(&file_stem(name), [".json", ".mcap"]).map_err(what)?;
+        let [json, mcap] = setup.new_files(&file_stem(name), [".json", ".mcap"]).map_err(words)?;
         let stem = json.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let write_program = || {
             let file = Output::new(&json)?;
@@ -100,12 +101,12 @@ impl Planned {
             .and_then(|()| write_plan())
             // Each of the two files is useless without the other.
             .inspect_err(|_| drop(fs::remove_file(&json)))
-            .map_err(|error| what(error.into()))?;
+            .map_err(|error| words(error.into()))?;
         let cycle_time_s = trajectory.cycle_time_s();
         // The page is created from the file.
         let start_rad = *trajectory.path().start_rad();
         drop(plan);
-        let page = setup.page(&mcap, None, Extent::Sketch).map_err(what)?;
+        let page = setup.page(&mcap, None, Extent::Sketch).map_err(words)?;
         let message = page_message(
             "plan",
             &PlanForPage {
@@ -156,7 +157,8 @@ fn check_size(plan: &Trajectory) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "the program takes {}; the twin shows up to {}. iiwasim plan and iiwasim run have no such limit",
+        "the program takes {}; the twin shows up to {}. iiwasim plan and iiwasim run have no such \
+         limit",
         long_duration(size.duration_s()),
         long_duration(MAX_SAMPLES as f64 / rate_hz)
     ))

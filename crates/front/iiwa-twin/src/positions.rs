@@ -83,18 +83,18 @@ impl PositionList {
         };
         let read: PositionsFile = serde_json::from_str(&text).map_err(|error| {
             let place = Place::of_error(&text, &text, &error);
-            let (file, what) = (file.to_owned(), problem(&error));
-            TwinError::PositionsText { file, text: text.clone(), place, what }
+            let (file, problem_text) = (file.to_owned(), problem(&error));
+            TwinError::PositionsText { file, text: text.clone(), place, message: problem_text }
         })?;
-        let refuse = |what: String| TwinError::Positions { file: file.to_owned(), what };
+        let to_error = |message: String| TwinError::Positions { file: file.to_owned(), message };
         if read.version != 1 {
-            return Err(refuse(format!("version {}; version 1 is understood", read.version)));
+            return Err(to_error(format!("version {}; version 1 is understood", read.version)));
         }
         if read.robot != robot.name() {
             return Err(TwinError::PositionsOfAnother {
                 file: file.to_owned(),
                 robot: read.robot,
-                own: robot.name().to_owned(),
+                twin_robot: robot.name().to_owned(),
             });
         }
         for taught in read.positions {
@@ -102,9 +102,9 @@ impl PositionList {
             robot
                 .limits()
                 .check(&joints_rad)
-                .map_err(|outside| refuse(format!("position `{name}`: {outside}")))?;
-            let name = list.free_name(&name, None).map_err(&refuse)?;
-            list.push(Taught { name, joints_rad }).map_err(&refuse)?;
+                .map_err(|outside| to_error(format!("position `{name}`: {outside}")))?;
+            let name = list.free_name(&name, None).map_err(&to_error)?;
+            list.push(Taught { name, joints_rad }).map_err(&to_error)?;
         }
         Ok(list)
     }
@@ -122,10 +122,10 @@ impl PositionList {
     }
 
     pub(crate) fn rename(&mut self, id: u64, name: &str) -> Result<(), String> {
-        let at = self.place(id)?;
+        let index = self.place(id)?;
         let name = self.free_name(name, Some(id))?;
         self.change(|list| {
-            list.positions[at].taught.name = name;
+            list.positions[index].taught.name = name;
             Ok(())
         })
     }
@@ -214,16 +214,17 @@ impl PositionList {
         place.ok_or_else(|| "this position has been removed".to_owned())
     }
 
-    /// Checks that a name is unique; the position `own` may keep its name.
-    fn free_name(&self, name: &str, own: Option<u64>) -> Result<String, String> {
+    /// Checks that a name is unique; the position `renamed_id` may keep its name.
+    fn free_name(&self, name: &str, renamed_id: Option<u64>) -> Result<String, String> {
         let name = name.trim();
         let length = name.chars().count();
         if !(1..=MAX_NAME).contains(&length) || name.contains(char::is_control) {
             return Err(format!(
-                "a position has a name of 1 to {MAX_NAME} characters, none of them a control character"
+                "a position has a name of 1 to {MAX_NAME} characters, none of them a control \
+                 character"
             ));
         }
-        let is_other = |kept: &&Position| Some(kept.id) != own && kept.taught.name == name;
+        let is_other = |kept: &&Position| Some(kept.id) != renamed_id && kept.taught.name == name;
         match self.positions.iter().find(is_other) {
             Some(_) => Err(format!("there is a position `{name}` already; choose another name")),
             None => Ok(name.to_owned()),
@@ -248,24 +249,25 @@ impl PositionList {
         Ok(())
     }
 
-    fn change(&mut self, what: impl FnOnce(&mut Self) -> Result<(), String>) -> Result<(), String> {
+    fn change(&mut self, edit: impl FnOnce(&mut Self) -> Result<(), String>) -> Result<(), String> {
         let before = self.positions.clone();
-        let changed = what(self).and_then(|()| self.store().map_err(|error| (self.words)(&error)));
+        let changed = edit(self).and_then(|()| self.store().map_err(|error| (self.words)(&error)));
         changed.inspect_err(|_| self.positions = before)
     }
 
     fn store(&self) -> Result<(), TwinError> {
-        let refuse =
+        let to_error =
             |error: io::Error| TwinError::file(format!("write {}", self.file.display()), error);
         if let Some(folder) = self.file.parent() {
-            fs::create_dir_all(folder).map_err(refuse)?;
+            fs::create_dir_all(folder).map_err(to_error)?;
         }
         let content = PositionsFile {
             version: 1,
             robot: self.robot.name().to_owned(),
             positions: self.positions.iter().map(|kept| kept.taught.clone()).collect(),
         };
-        let text = serde_json::to_string_pretty(&content).map_err(|error| refuse(error.into()))?;
+        let text =
+            serde_json::to_string_pretty(&content).map_err(|error| to_error(error.into()))?;
         let file = Output::new(&self.file)?;
         file.write(text.as_bytes())?;
         Ok(file.complete_always()?)

@@ -83,8 +83,8 @@ impl ProgramRun {
         let to_start = if offset.is_within_tolerance() {
             None
         } else if move_to_start {
-            let refuse = |why| format!("the robot does not move to the program's start: {why}");
-            Some(motion_to(start_rad, joints_rad, setup).map_err(refuse)?)
+            let to_error = |why| format!("the robot does not move to the program's start: {why}");
+            Some(motion_to(start_rad, joints_rad, setup).map_err(to_error)?)
         } else {
             return Err(format!("{offset}; let it move there first"));
         };

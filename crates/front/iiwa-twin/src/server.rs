@@ -38,15 +38,15 @@ const UPLOAD_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// Serves the page until an interrupt.
 pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Result<(), TwinError> {
-    let refuse = TwinError::Serve;
-    listener.set_nonblocking(true).map_err(refuse)?;
+    let to_error = TwinError::Serve;
+    listener.set_nonblocking(true).map_err(to_error)?;
     let admission = Admission { token: token.clone(), address: twin.setup.wording.address };
     let router = routes(twin).layer(middleware::from_fn_with_state(admission, guard));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .enable_all()
         .build()
-        .map_err(refuse)?;
+        .map_err(to_error)?;
     let served = runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
         tokio::select! {
@@ -57,7 +57,7 @@ pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Resul
     });
     // Pending requests have a moment to finish.
     runtime.shutdown_timeout(Duration::from_secs(1));
-    served.map_err(refuse)
+    served.map_err(to_error)
 }
 
 /// Routes behind the guard.
@@ -141,7 +141,8 @@ async fn read_program(request: Request) -> Result<String, Response> {
         Ok(Ok(text)) => Ok(text),
         Ok(Err(refused)) if refused.status() == StatusCode::PAYLOAD_TOO_LARGE => {
             let why = format!(
-                "the program is longer than {} MiB, the most that the twin accepts; iiwasim plan has no such limit",
+                "the program is longer than {} MiB, the most that the twin accepts; iiwasim plan \
+                 has no such limit",
                 MAX_PROGRAM_BYTES >> 20
             );
             Err(refusal(StatusCode::PAYLOAD_TOO_LARGE, why))
@@ -170,8 +171,8 @@ async fn report(State(twin): State<Shared>) -> Response {
     }
 }
 
-fn broken_down(what: &'static str, source: task::JoinError) -> TwinError {
-    TwinError::BrokenDown { what, source: source.into() }
+fn broken_down(part: &'static str, source: task::JoinError) -> TwinError {
+    TwinError::BrokenDown { message: part, source: source.into() }
 }
 
 fn shutting_down() -> Response {

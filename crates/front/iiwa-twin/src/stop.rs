@@ -23,12 +23,12 @@ pub(crate) struct Stopper(mpsc::Sender<oneshot::Sender<StopResult>>);
 
 impl Stopper {
     pub(crate) fn new(setup: &Arc<Setup>) -> Self {
-        let (ask, asked) = mpsc::channel();
+        let (sender, asked) = mpsc::channel();
         // A strong reference would keep the temporary folder alive after the end of the twin.
         let explain = setup.wording.request;
         let setup = Arc::downgrade(setup);
         thread::spawn(move || serve_stops(&setup, explain, &asked));
-        Self(ask)
+        Self(sender)
     }
 
     /// Requests a stop at once, and resolves to the answer of the drive.
@@ -36,9 +36,9 @@ impl Stopper {
         let (answer, answered) = oneshot::channel();
         let asked = self.0.send(answer);
         async move {
-            let gone = || "the twin is shutting down".to_owned();
-            asked.map_err(|_| gone())?;
-            answered.await.unwrap_or_else(|_| Err(gone()))
+            let closed = || "the twin is shutting down".to_owned();
+            asked.map_err(|_| closed())?;
+            answered.await.unwrap_or_else(|_| Err(closed()))
         }
     }
 }

@@ -16,13 +16,13 @@ use iiwa::prelude::*;
 /// differ.
 fn free<const COUNT: usize>() -> std::io::Result<[SocketAddr; COUNT]> {
     let mut held = Vec::new();
-    let mut found = [SocketAddr::from(([127, 0, 0, 1], 0)); COUNT];
-    for address in &mut found {
+    let mut addresses = [SocketAddr::from(([127, 0, 0, 1], 0)); COUNT];
+    for address in &mut addresses {
         let tcp = TcpListener::bind(*address)?;
         *address = UdpSocket::bind(tcp.local_addr()?)?.local_addr()?;
         held.push(tcp);
     }
-    Ok(found)
+    Ok(addresses)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // FRI needs some hundred messages to rate the connection quality.
     let mut client = Client::new(&Remote::open(), &requests)?;
     let begin = Instant::now();
-    let here = loop {
+    let start = loop {
         let status = client.state()?;
         let good = ["good", "excellent"].contains(&status.fri.quality.as_str());
         let ready = status.robot_program == Presence::Connected && status.state == DriveState::Idle;
@@ -58,13 +58,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
 
     // Joint 1 by 30 deg and back, at half speed.
-    let mut there = here;
-    there[0] += 30_f64.to_radians();
+    let mut target = start;
+    target[0] += 30_f64.to_radians();
     let motions =
-        vec![Motion::Ptp(Ptp::to(there).velocity(0.5)), Motion::Ptp(Ptp::to(here).velocity(0.5))];
+        vec![Motion::Ptp(Ptp::to(target).velocity(0.5)), Motion::Ptp(Ptp::to(start).velocity(0.5))];
     let program = Program {
         robot: None,
-        start: Start::Joints(here),
+        start: Start::Joints(start),
         motions: motions.clone(),
         workcell: Workcell::default(),
         sources: Sources::default(),

@@ -40,7 +40,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .ok_or("no candidate can be planned")?;
     writeln!(
         stdout(),
-        "{} candidates; the fastest takes {:.3} s, with the shoulder at {shoulder:.2} rad and the elbow at {elbow:.2} rad",
+        "{} candidates; the fastest takes {:.3} s, with the shoulder at {shoulder:.2} rad and the \
+         elbow at {elbow:.2} rad",
         candidates.len(),
         plan.cycle_time_s(),
     )?;

@@ -27,17 +27,17 @@ impl Machine {
     ) -> Result<Value, Stop> {
         let mut receiver = on.map(|on| self.evaluated(on)).transpose()?;
         if let (Some(on), Some(function @ Value::Function(_))) = (on, &receiver)
-            && let Some(own) = self.static_type(on)
+            && let Some(static_type) = self.static_type(on)
         {
-            receiver = Some(self.for_variable(function.clone(), &own)?);
+            receiver = Some(self.for_variable(function.clone(), &static_type)?);
         }
         let types = self.types_of_arguments(name, arguments);
         let values = self.evaluated_all(arguments)?;
-        self.here.line = expression.line;
+        self.place.line = expression.line;
         for value in receiver.iter().chain(&values) {
             self.refresh(value);
         }
-        let place = self.here.clone();
+        let place = self.place.clone();
         let (arguments, expressions) = (values, arguments);
         if let (Some(list @ Value::List(_)), "remove", [Value::Int(_)]) =
             (&receiver, name, &*arguments)
@@ -63,7 +63,7 @@ impl Machine {
         }
         if let Some(receiver) = &receiver
             && by_equality(receiver, name, arguments.len())
-            && expressions.iter().any(|own| self.is_short(own))
+            && expressions.iter().any(|expression| self.is_short(expression))
         {
             let unknown = self.unknown("a collection with numbers of type `short` or `byte`");
             if let Value::Unknown(unknown) = &unknown {
@@ -76,13 +76,14 @@ impl Machine {
             (Some(ExpressionKind::Super), Some(Value::Object(object))) => {
                 self.call_above(&object, name, &arguments)
             }
-            (Some(ExpressionKind::SuperOf(own)), Some(Value::Object(object))) => {
-                self.call_of_interface(own, &object, name, &arguments)
+            (Some(ExpressionKind::SuperOf(interface)), Some(Value::Object(object))) => {
+                self.call_of_interface(interface, &object, name, &arguments)
             }
             (_, Some(Value::Object(object))) => {
                 // Class methods are resolved statically, without overriding.
                 let methods = self.java.classes.methods(object.class, name);
-                let is_static = methods.len() > 1 && methods.iter().all(|(_, own)| own.is_static);
+                let is_static =
+                    methods.len() > 1 && methods.iter().all(|(_, method)| method.is_static);
                 match on.and_then(|on| self.class_of(on)) {
                     Some(class) if is_static => {
                         self.call_on(&Value::Class(class), name, &arguments)
@@ -93,7 +94,7 @@ impl Machine {
             (_, Some(receiver)) => self.call_on(&receiver, name, &arguments),
             (_, None) => self.call_by_name(name, &arguments),
         };
-        self.here = place;
+        self.place = place;
         self.java.argument_types = None;
         result
     }
@@ -101,8 +102,8 @@ impl Machine {
     /// Returns true if a value is a `short` or a `byte`: as an object, it differs from integers of
     /// other types.
     fn is_short(&self, expression: &Expression) -> bool {
-        let own = self.static_type(expression);
-        own.is_some_and(|own| matches!(unboxed(&own), Some("short" | "byte")))
+        let static_type = self.static_type(expression);
+        static_type.is_some_and(|type_name| matches!(unboxed(&type_name), Some("short" | "byte")))
     }
 
     /// Returns the types of the arguments, if the method is overloaded.
@@ -112,7 +113,7 @@ impl Machine {
         arguments: &[Expression],
     ) -> Option<(String, Vec<Option<TypeName>>)> {
         self.java.classes.is_overloaded(name).then(|| {
-            let types = arguments.iter().map(|own| self.static_type(own));
+            let types = arguments.iter().map(|argument| self.static_type(argument));
             (name.to_owned(), types.collect())
         })
     }
@@ -121,7 +122,7 @@ impl Machine {
     /// one.
     fn call_by_name(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         let Some(activation) = self.java.activation() else {
-            return self.refuse(format!("the method `{name}` is not known"));
+            return self.reject(format!("the method `{name}` is not known"));
         };
         let mut this = activation.this.clone();
         let mut class = Some(activation.class);
@@ -161,7 +162,7 @@ impl Machine {
                 _ => None,
             });
         }
-        let class = self.java.activation().map_or(ClassId(0), |own| own.class);
+        let class = self.java.activation().map_or(ClassId(0), |activation| activation.class);
         for import in self.java.classes.static_imports(name, class) {
             if let Some(id) = self.java.classes.by_qualified_name(&import) {
                 if let Some(choice) = self.method(id, name, arguments) {
@@ -185,7 +186,7 @@ impl Machine {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        let class = self.java.activation().map_or(object.class, |own| own.class);
+        let class = self.java.activation().map_or(object.class, |activation| activation.class);
         if let Some(parent) = self.java.classes.parent(class)
             && let Some(choice) = self.method(parent, name, arguments)
         {
@@ -255,7 +256,7 @@ impl Machine {
             Value::Host(value) => {
                 let (host, value) = (Rc::clone(&self.host), Rc::clone(value));
                 let result = host.call(self, &value, name, arguments)?;
-                if result.unknown().is_some_and(|own| own.is_unmodelled_call) {
+                if result.unknown().is_some_and(|unknown| unknown.is_unmodelled_call) {
                     self.after_unmodelled(None, name, arguments, &result)?;
                 }
                 Ok(result)
@@ -263,7 +264,7 @@ impl Machine {
             Value::Unknown(unknown) => {
                 if self.host.acting_on_receivers().contains(&name) {
                     let unknown = Rc::clone(unknown);
-                    return self.refuse_unknown(&format!("what `{name}` is called on"), &unknown);
+                    return self.reject_unknown(&format!("what `{name}` is called on"), &unknown);
                 }
                 self.may_act_with(name, arguments);
                 self.after_unmodelled(None, name, arguments, receiver)?;
@@ -350,7 +351,7 @@ impl Machine {
                 Value::Class(self.java.classes.parent(object.class).unwrap_or(object.class))
             }
             ("compareTo", [Value::Object(other)]) => match (&object.constant, &other.constant) {
-                (Some((_, own)), Some((_, other))) => Value::Int(own - other),
+                (Some((_, ordinal)), Some((_, other))) => Value::Int(ordinal - other),
                 _ => return Ok(None),
             },
             ("hashCode", []) => self.unknown("a hash code"),
@@ -404,22 +405,23 @@ impl Machine {
     }
 
     /// Calls a method of a value that is not modelled.
-    fn opaque(&mut self, what: &str, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    fn opaque(&mut self, subject: &str, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         if self.host.acting_on_receivers().contains(&name) {
-            return self.refuse(format!("the motion depends on {what}"));
+            return self.reject(format!("the motion depends on {subject}"));
         }
         self.may_act_with(name, arguments);
-        let result = self.unknown(what);
+        let result = self.unknown(subject);
         self.after_unmodelled(None, name, arguments, &result)?;
         Ok(result)
     }
 
     /// Notes that code without source receives a value that can act.
     pub(crate) fn may_act_with(&mut self, name: &str, arguments: &[Value]) {
-        let may_act = |value: &Value| matches!(value, Value::Host(own) if own.can_act());
+        let may_act = |value: &Value| matches!(value, Value::Host(host) if host.can_act());
         if arguments.iter().any(may_act) {
             self.note(format!(
-                "`{name}` gets what can act, and its source is not in the project: what it does with it is left out"
+                "`{name}` gets what can act, and its source is not in the project: what it does \
+                 with it is left out"
             ));
         }
     }
@@ -435,7 +437,7 @@ impl Machine {
         if method.is_static {
             self.initialize(owner)?;
         }
-        let function = this.as_ref().and_then(|own| own.function.clone());
+        let function = this.as_ref().and_then(|this| this.function.clone());
         if let (None, Some(function)) = (&method.body, function) {
             return self.run_as_method(owner, method, &function, arguments);
         }
@@ -465,12 +467,12 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Value, Stop> {
         let from = self.enter(owner, None, method, arguments)?;
-        let locals = self.java.activation().map_or(&[][..], |own| &own.locals);
-        let arguments: Vec<_> = locals.iter().map(|own| own.value.clone()).collect();
+        let locals = self.java.activation().map_or(&[][..], |activation| &activation.locals);
+        let arguments: Vec<_> = locals.iter().map(|local| local.value.clone()).collect();
         self.leave(from, &Ok(()));
-        let types = method.parameters.iter().map(|own| {
-            let erased = self.erased_parameter(owner, method, &own.type_name);
-            (erased == own.type_name).then_some(erased)
+        let types = method.parameters.iter().map(|parameter| {
+            let erased = self.erased_parameter(owner, method, &parameter.type_name);
+            (erased == parameter.type_name).then_some(erased)
         });
         let types: Vec<_> = types.collect();
         let result = self.run_function(function, &arguments, &types)?;
@@ -490,10 +492,10 @@ impl Machine {
     ) -> Result<Place, Stop> {
         let from = self.activate(owner, this, &method.name, method.line)?;
         self.java.argument_types = None;
-        if let (false, Some(own)) =
+        if let (false, Some(activation)) =
             (method.type_parameters.is_empty(), self.java.activations.last_mut())
         {
-            own.type_parameters.clone_from(&method.type_parameters);
+            activation.type_parameters.clone_from(&method.type_parameters);
         }
         let mut arguments = arguments.to_vec();
         if method.is_variadic
@@ -507,7 +509,7 @@ impl Machine {
                 let element = last.type_name.element();
                 let others = arguments.split_off(fixed);
                 let others: Vec<_> =
-                    others.into_iter().map(|own| own.converted_to(&element)).collect();
+                    others.into_iter().map(|value| value.converted_to(&element)).collect();
                 let values = std::cell::RefCell::new(others);
                 arguments.push(Value::Array(Rc::new(Array { element, values })));
             }
@@ -528,11 +530,11 @@ impl Machine {
         line: u32,
     ) -> Result<Place, Stop> {
         if self.java.activations.len() >= MAX_DEPTH {
-            return self.refuse(format!(
+            return self.reject(format!(
                 "`{method}` is called more than {MAX_DEPTH} calls deep: a recursion may have no end"
             ));
         }
-        let from = self.here.clone();
+        let from = self.place.clone();
         self.java.activations.push(Activation {
             class,
             this,
@@ -542,7 +544,7 @@ impl Machine {
             lambda: None,
             type_parameters: Vec::new(),
         });
-        self.here = Place { file: Rc::clone(&self.java.classes.known(class).file), line };
+        self.place = Place { file: Rc::clone(&self.java.classes.known(class).file), line };
         Ok(from)
     }
 
@@ -550,7 +552,7 @@ impl Machine {
     pub(crate) fn leave<T>(&mut self, from: Place, result: &Result<T, Stop>) {
         self.java.activations.pop();
         if result.is_ok() {
-            self.here = from;
+            self.place = from;
         }
     }
 }

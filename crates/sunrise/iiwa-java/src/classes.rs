@@ -165,10 +165,10 @@ impl Classes {
     /// Resolves a name as [`find`](Self::find) does. Inner classes of superclasses are included
     /// only if `inherits`, because the superclasses are unknown while they are being resolved.
     fn search(&self, name: &str, from: ClassId, inherits: bool) -> Option<ClassId> {
-        if let Some((above, own)) = name.rsplit_once('.') {
+        if let Some((above, inner_name)) = name.rsplit_once('.') {
             let whole = self.by_qualified_name(name);
             return whole
-                .or_else(|| self.inner(self.search(above, from, inherits)?, own, inherits));
+                .or_else(|| self.inner(self.search(above, from, inherits)?, inner_name, inherits));
         }
         let mut around = Some(from);
         while let Some(id) = around {
@@ -194,8 +194,8 @@ impl Classes {
 
     /// Finds the class `name` within `id` or, if `inherits`, within a superclass.
     fn inner(&self, id: ClassId, name: &str, inherits: bool) -> Option<ClassId> {
-        let own = if inherits { self.with_parents(id) } else { vec![id] };
-        own.into_iter().find_map(|id| {
+        let candidates = if inherits { self.with_parents(id) } else { vec![id] };
+        candidates.into_iter().find_map(|id| {
             let mut inner = (id.0 + 1..self.known.len()).map(ClassId);
             let is_there = self.known(id).class.classes.iter().any(|class| class.name == name);
             let is_it = |inner: &ClassId| {
@@ -221,11 +221,11 @@ impl Classes {
     pub(crate) fn parent(&self, id: ClassId) -> Option<ClassId> {
         let name = &self.known(id).class.extends.as_ref()?.name;
         // The class itself and its inner classes cannot be its superclass.
-        let found = match self.known(id).outer {
+        let outer = match self.known(id).outer {
             Some(outer) => self.search(name, outer, false),
             None => self.find_beside(name, id),
         };
-        found.filter(|parent| *parent != id)
+        outer.filter(|parent| *parent != id)
     }
 
     fn find_beside(&self, name: &str, id: ClassId) -> Option<ClassId> {
@@ -235,24 +235,24 @@ impl Classes {
     /// Returns the class, and the project classes and interfaces from which it inherits, each once,
     /// the nearest first.
     pub(crate) fn with_parents(&self, id: ClassId) -> Vec<ClassId> {
-        let mut found = vec![id];
+        let mut ancestors = vec![id];
         let mut above = self.parent(id);
-        while let Some(parent) = above.filter(|parent| !found.contains(parent)) {
-            found.push(parent);
+        while let Some(parent) = above.filter(|parent| !ancestors.contains(parent)) {
+            ancestors.push(parent);
             above = self.parent(parent);
         }
         let mut next = 0;
-        while let Some(&class) = found.get(next) {
+        while let Some(&class) = ancestors.get(next) {
             for name in &self.known(class).class.implements {
                 let interface = match self.known(class).outer {
                     Some(outer) => self.search(&name.name, outer, false),
                     None => self.find_beside(&name.name, class),
                 };
-                found.extend(interface.filter(|interface| !found.contains(interface)));
+                ancestors.extend(interface.filter(|interface| !ancestors.contains(interface)));
             }
             next += 1;
         }
-        found
+        ancestors
     }
 
     /// Returns a class of the inheritance cycle, if one exists.
@@ -290,17 +290,20 @@ impl Classes {
     /// Returns the methods of this name that objects of the class have, the nearest first, with
     /// their classes.
     pub(crate) fn methods(&self, id: ClassId, name: &str) -> Vec<(ClassId, Arc<Method>)> {
-        let of = |class: ClassId| {
+        let methods_of = |class: ClassId| {
             let methods = self.known(class).class.methods.iter();
-            methods.filter(|method| method.name == name).map(move |own| (class, Arc::clone(own)))
+            methods
+                .filter(|method| method.name == name)
+                .map(move |method| (class, Arc::clone(method)))
         };
-        self.with_parents(id).into_iter().flat_map(of).collect()
+        self.with_parents(id).into_iter().flat_map(methods_of).collect()
     }
 
     /// Returns the classes whose static members of this name are imported in the file of `from`.
     pub(crate) fn static_imports(&self, name: &str, from: ClassId) -> Vec<String> {
         let statics = self.units[self.known(from).unit].statics.iter();
-        let has = statics.filter(|(_, member)| member.as_ref().is_none_or(|own| own == name));
+        let has =
+            statics.filter(|(_, member)| member.as_ref().is_none_or(|imported| imported == name));
         has.map(|(class, _)| class.clone()).collect()
     }
 
@@ -374,9 +377,9 @@ impl Classes {
             let (name, file) = (class.name.clone(), file.to_string());
             (id, ClassName { name, qualified_name, file, line: class.line })
         };
-        let mut found: Vec<_> = self.ids().filter(is_it).map(name).collect();
-        found.sort_by(|(_, a), (_, b)| (&a.file, a.line).cmp(&(&b.file, b.line)));
-        found
+        let mut matches: Vec<_> = self.ids().filter(is_it).map(name).collect();
+        matches.sort_by(|(_, a), (_, b)| (&a.file, a.line).cmp(&(&b.file, b.line)));
+        matches
     }
 
     /// Returns the numbers of all classes.

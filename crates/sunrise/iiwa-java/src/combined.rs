@@ -19,28 +19,30 @@ impl Machine {
         name: &str,
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
-        let own: Rc<str> = Rc::from(interface.name);
-        let is = |end: &str| interface.name.ends_with(end);
+        let interface_name: Rc<str> = Rc::from(interface.name);
+        let is_kind = |end: &str| interface.name.ends_with(end);
         if arguments.iter().any(|other| matches!(other, Value::Null)) {
             return self.throw("NullPointerException", format!("`{name}` gets null"));
         }
         let first = this.clone();
         let combined = match (name, arguments) {
-            ("andThen", [second]) if is("Consumer") => {
-                Combined::Both { first, second: second.clone(), interface: own }
+            ("andThen", [second]) if is_kind("Consumer") => {
+                Combined::Both { first, second: second.clone(), interface: interface_name }
             }
-            ("andThen", [second]) if is("Function") || is("Operator") => {
-                Combined::Chain { first, interface: own, second: second.clone() }
+            ("andThen", [second]) if is_kind("Function") || is_kind("Operator") => {
+                Combined::Chain { first, interface: interface_name, second: second.clone() }
             }
             ("compose", [before]) if interface.parameters.len() == 1 => {
-                Combined::Chain { first: before.clone(), interface: own, second: first }
+                Combined::Chain { first: before.clone(), interface: interface_name, second: first }
             }
-            ("negate", []) if is("Predicate") => Combined::Not { of: first, interface: own },
-            ("and", [second]) if is("Predicate") => {
-                Combined::And { first, second: second.clone(), interface: own }
+            ("negate", []) if is_kind("Predicate") => {
+                Combined::Not { predicate: first, interface: interface_name }
             }
-            ("or", [second]) if is("Predicate") => {
-                Combined::Or { first, second: second.clone(), interface: own }
+            ("and", [second]) if is_kind("Predicate") => {
+                Combined::And { first, second: second.clone(), interface: interface_name }
+            }
+            ("or", [second]) if is_kind("Predicate") => {
+                Combined::Or { first, second: second.clone(), interface: interface_name }
             }
             _ if interface.name == "Comparator" => {
                 return Ok(self.combined_comparator(this, name, arguments));
@@ -83,7 +85,7 @@ impl Machine {
                     _ => None,
                 }
             }
-            Value::Function(own) => match (&own.code, own.interface.get()) {
+            Value::Function(function) => match (&function.code, function.interface.get()) {
                 (_, Some(interface)) => Some(interface.name.ends_with("Comparator")),
                 (Code::Lambda(lambda), None) => Some(lambda.parameters.len() == 2),
                 _ => None,
@@ -102,8 +104,8 @@ impl Machine {
         let combined = match (class, name, arguments) {
             ("Comparator", ..) => return self.of_comparator_class(name, arguments),
             (_, "identity", []) => Combined::Identity,
-            ("Predicate", "not", [of]) => {
-                Combined::Not { of: of.clone(), interface: Rc::from("Predicate") }
+            ("Predicate", "not", [predicate]) => {
+                Combined::Not { predicate: predicate.clone(), interface: Rc::from("Predicate") }
             }
             ("Entry", "comparingByKey" | "comparingByValue", []) => {
                 Combined::ByEntry { is_key: name == "comparingByKey" }
@@ -148,9 +150,9 @@ impl Machine {
             Combined::Identity => "Function",
         };
         let interface = crate::syntax::TypeName::new(interface, 0);
-        let function = self.new_function(self.here.line, Code::Combined(combined));
-        if let Value::Function(own) = &function {
-            _ = own.interface.set(interface);
+        let function = self.new_function(self.place.line, Code::Combined(combined));
+        if let Value::Function(function) = &function {
+            _ = function.interface.set(interface);
         }
         function
     }
@@ -177,8 +179,8 @@ impl Machine {
                 self.apply(first, interface, arguments)?;
                 self.apply(second, interface, arguments)
             }
-            (Combined::Not { of, interface }, _) => {
-                Ok(match self.apply(of, interface, arguments)? {
+            (Combined::Not { predicate, interface }, _) => {
+                Ok(match self.apply(predicate, interface, arguments)? {
                     Value::Boolean(value) => Value::Boolean(!value),
                     other => other,
                 })
@@ -196,7 +198,7 @@ impl Machine {
                 }
             }
             (_, [a, b]) => self.compared_by(combined, a, b),
-            _ => self.refuse("a function of Java's library gets another number of arguments"),
+            _ => self.reject("a function of Java's library gets another number of arguments"),
         }
     }
 
@@ -218,7 +220,7 @@ impl Machine {
                 let [first, second] = [a, b].map(|entry| entry_part(entry, part));
                 return self.comparison(None, &first, &second);
             }
-            Combined::Reversed(of) => return self.comparison(Some(of), b, a),
+            Combined::Reversed(comparator) => return self.comparison(Some(comparator), b, a),
             Combined::Then(first, second) => {
                 let order = self.comparison(Some(first), a, b)?;
                 if !matches!(order, Value::Int(0)) {
@@ -226,7 +228,7 @@ impl Machine {
                 }
                 self.comparison(Some(second), a, b)?
             }
-            _ => return self.refuse("a function of Java's library is not a comparator"),
+            _ => return self.reject("a function of Java's library is not a comparator"),
         };
         Ok(order)
     }

@@ -29,13 +29,13 @@ impl Machine {
     ) -> Result<Value, Stop> {
         let types = self.types_of_arguments(simple(&type_name.name), arguments);
         let arguments = self.evaluated_all(arguments)?;
-        self.here.line = expression.line;
+        self.place.line = expression.line;
         for value in &arguments {
             self.refresh(value);
         }
         self.java.argument_types = types;
-        let Some(within) = self.java.activation().map(|own| own.class) else {
-            return self.refuse("an object is made outside of a class");
+        let Some(within) = self.java.activation().map(|activation| activation.class) else {
+            return self.reject("an object is made outside of a class");
         };
         let class = match body {
             Some(body) => Some(self.class_in_method(body, within)),
@@ -66,7 +66,7 @@ impl Machine {
         }
         self.may_act_with(class, arguments);
         let result = self.unknown(format!("a `{class}`, of a library without source"));
-        let functions = arguments.iter().filter(|own| own.function().is_some());
+        let functions = arguments.iter().filter(|argument| argument.function().is_some());
         let functions: Vec<_> = functions.cloned().collect();
         self.after_unmodelled(None, class, &functions, &result)?;
         Ok(result)
@@ -117,14 +117,15 @@ impl Machine {
         captured: HashMap<String, Value>,
     ) -> Result<Value, Stop> {
         if let Some(again) = self.java.classes.cycle(class) {
-            let [own, again] =
+            let [class_name, again] =
                 [class, again].map(|id| self.java.classes.known(id).class.name.clone());
-            return self.refuse(format!("the class {own} inherits from itself, by way of {again}"));
+            return self
+                .reject(format!("the class {class_name} inherits from itself, by way of {again}"));
         }
         let declaration = Arc::clone(&self.java.classes.known(class).class);
         if declaration.is_abstract || declaration.kind == ClassKind::Interface {
             return self
-                .refuse(format!("{} is abstract: no object of it can be made", declaration.name));
+                .reject(format!("{} is abstract: no object of it can be made", declaration.name));
         }
         self.initialize(class)?;
         let object = self.bare(class, captured, None);
@@ -139,7 +140,7 @@ impl Machine {
         captured: HashMap<String, Value>,
         constant: Option<(Rc<str>, i32)>,
     ) -> Rc<Object> {
-        let this = self.java.activation().and_then(|own| own.this.clone());
+        let this = self.java.activation().and_then(|activation| activation.this.clone());
         // The enclosing object is an instance of the enclosing class or of its subclass.
         let outer = self.java.classes.known(class).outer.and_then(|outer| {
             let mut around = this;
@@ -177,14 +178,14 @@ impl Machine {
     ) -> Result<(), Stop> {
         let declaration = Arc::clone(&self.java.classes.known(class).class);
         let constructors = &declaration.constructors;
-        let all = constructors.iter().map(|own| (class, Arc::clone(own))).collect();
+        let all = constructors.iter().map(|constructor| (class, Arc::clone(constructor))).collect();
         let Some(choice) = self.chosen(all, &declaration.name, arguments) else {
             if constructors.is_empty() {
                 // An anonymous class passes its arguments to the superclass.
                 self.constructed_above(object, class, arguments)?;
                 return self.first_values(object, class);
             }
-            return self.refuse(format!(
+            return self.reject(format!(
                 "{} has no constructor for these {} arguments",
                 declaration.name,
                 arguments.len()
@@ -194,7 +195,7 @@ impl Machine {
             Choice::Method(_, constructor) => constructor,
             Choice::Undecided(unknown, _) => {
                 let name = &declaration.name;
-                return self.refuse_unknown(
+                return self.reject_unknown(
                     &format!("which of the constructors of {name} is called"),
                     &unknown,
                 );
@@ -215,14 +216,14 @@ impl Machine {
         let body = constructor.body.as_deref().unwrap_or_default();
         let first = body.first().and_then(|statement| match &statement.kind {
             StatementKind::Expression(call) => match &call.kind {
-                ExpressionKind::ThisCall(own) => Some((true, own, call.line)),
-                ExpressionKind::SuperCall(own) => Some((false, own, call.line)),
+                ExpressionKind::ThisCall(arguments) => Some((true, arguments, call.line)),
+                ExpressionKind::SuperCall(arguments) => Some((false, arguments, call.line)),
                 _ => None,
             },
             _ => None,
         });
         let rest = if let Some((is_own, arguments, line)) = first {
-            self.here.line = line;
+            self.place.line = line;
             let above = self.java.classes.parent(class).filter(|_| !is_own).unwrap_or(class);
             let name = self.java.classes.known(above).class.name.clone();
             let types = self.types_of_arguments(&name, arguments);
@@ -262,7 +263,9 @@ impl Machine {
         if base.ends_with("Exception") || base.ends_with("Error") {
             let message = match arguments.first() {
                 None => Value::Null,
-                Some(own @ (Value::Text(_) | Value::Null | Value::Unknown(_))) => own.clone(),
+                Some(message @ (Value::Text(_) | Value::Null | Value::Unknown(_))) => {
+                    message.clone()
+                }
                 Some(_) => self.unknown("the message of an exception of another one"),
             };
             *object.message.borrow_mut() = Some(message);
@@ -274,8 +277,8 @@ impl Machine {
     /// Initialises the instance fields of a class, in order.
     fn first_values(&mut self, object: &Rc<Object>, class: ClassId) -> Result<(), Stop> {
         let declaration = Arc::clone(&self.java.classes.known(class).class);
-        let own = fields(&declaration.members).filter(|field| !field.is_static);
-        for field in own {
+        let own_fields = fields(&declaration.members).filter(|field| !field.is_static);
+        for field in own_fields {
             let default = Value::default_of(&field.type_name);
             object.fields.borrow_mut().insert((class, field.name.clone()), default);
         }
@@ -295,7 +298,7 @@ impl Machine {
         class: ClassId,
         field: &Field,
     ) -> Result<(), Stop> {
-        self.here.line = field.line;
+        self.place.line = field.line;
         let value = match &field.initial {
             Some(initial) => self.initial_value(initial, &field.type_name)?,
             None if is_injected(&field.annotations) => {
@@ -316,8 +319,8 @@ impl Machine {
         named: Option<&str>,
         field: &str,
     ) -> Result<Value, Stop> {
-        if let Some(own) = self.java.classes.find(&type_name.name, class) {
-            return self.injected_object(own);
+        if let Some(class) = self.java.classes.find(&type_name.name, class) {
+            return self.injected_object(class);
         }
         let simple = simple(&type_name.name);
         match Rc::clone(&self.host).injected(self, simple, named, field)? {
@@ -331,13 +334,16 @@ impl Machine {
         // Classes may be injected into each other.
         self.java.steps += 100;
         if self.java.steps > MAX_STEPS {
-            return self.refuse("objects are injected into each other without an end");
+            return self.reject("objects are injected into each other without an end");
         }
         let declaration = Arc::clone(&self.java.classes.known(class).class);
-        let marked = declaration.constructors.iter().find(|own| is_injected(&own.annotations));
+        let marked = declaration
+            .constructors
+            .iter()
+            .find(|constructor| is_injected(&constructor.annotations));
         let constructor = marked.or(declaration.constructors.first());
         let mut arguments = Vec::new();
-        for parameter in constructor.iter().flat_map(|own| &own.parameters) {
+        for parameter in constructor.iter().flat_map(|constructor| &constructor.parameters) {
             arguments.push(self.injected(class, &parameter.type_name, None, &parameter.name)?);
         }
         self.construct(class, &arguments, HashMap::new())
@@ -353,8 +359,8 @@ impl Machine {
             let known = self.java.classes.known(class);
             let (name, file) = (known.class.name.clone(), Rc::clone(&known.file));
             self.note(format!(
-                "the class {name} is taken from {file}; there are other copies in {copies}: import from the folder of the project \
-                 that is meant"
+                "the class {name} is taken from {file}; there are other copies in {copies}: import \
+                 from the folder of the project that is meant"
             ));
         }
         if let Some(parent) = self.java.classes.parent(class) {
@@ -377,17 +383,17 @@ impl Machine {
 
     fn static_values(&mut self, class: ClassId, declaration: &Class) -> Result<(), Stop> {
         for (ordinal, constant) in (0..).zip(&declaration.constants) {
-            self.here.line = constant.line;
+            self.place.line = constant.line;
             let arguments = self.evaluated_all(&constant.arguments)?;
-            let own = match &constant.body {
+            let object_class = match &constant.body {
                 Some(body) => self.class_in_method(body, class),
                 None => class,
             };
             let named = Some((Rc::from(constant.name.as_str()), ordinal));
-            let object = self.bare(own, HashMap::new(), named);
+            let object = self.bare(object_class, HashMap::new(), named);
             self.constructed(&object, class, &arguments)?;
-            if own != class {
-                self.first_values(&object, own)?;
+            if object_class != class {
+                self.first_values(&object, object_class)?;
             }
             let value = Value::Object(object);
             self.java.statics.insert((class, constant.name.clone()), value.clone());
@@ -396,7 +402,7 @@ impl Machine {
         for member in &declaration.members {
             match member {
                 Member::Field(field) if field.is_static => {
-                    self.here.line = field.line;
+                    self.place.line = field.line;
                     if let Some(initial) = &field.initial {
                         let value = self.initial_value(initial, &field.type_name)?;
                         self.java.statics.insert((class, field.name.clone()), value);
@@ -420,7 +426,7 @@ impl Machine {
         self.java.classes.set_main(class);
         let file = Rc::clone(&self.java.classes.known(class).file);
         let line = self.java.classes.known(class).class.line;
-        self.here = Place { file, line };
+        self.place = Place { file, line };
         let Value::Object(object) = self.injected_object(class)? else { return Ok(()) };
         for name in methods {
             if let Some((owner, method)) = self.plain_method(class, name) {
@@ -432,10 +438,10 @@ impl Machine {
 }
 
 fn is_injected(annotations: &[Annotation]) -> bool {
-    annotations.iter().any(|own| own.name == "Inject")
+    annotations.iter().any(|annotation| annotation.name == "Inject")
 }
 
 /// Returns the name in `@Named("name")`.
 fn named(annotations: &[Annotation]) -> Option<&str> {
-    annotations.iter().find(|own| own.name == "Named")?.value.as_deref()
+    annotations.iter().find(|annotation| annotation.name == "Named")?.value.as_deref()
 }

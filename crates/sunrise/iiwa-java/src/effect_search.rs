@@ -9,7 +9,7 @@ use crate::{
     interfaces::{may_run, runs_any},
     machine::Machine,
     syntax::{
-        Class, Expression, ExpressionKind, Label, Member, Reference, ReferenceOf, Statement,
+        Class, Expression, ExpressionKind, Label, Member, Reference, ReferenceTarget, Statement,
         StatementKind, SwitchGroup,
     },
     value::{Code, Value},
@@ -50,7 +50,7 @@ const CHANGING_ARGUMENTS: [&str; 3] = ["Collections", "Arrays", "System"];
 /// Search state and the effects found.
 struct Search<'m> {
     machine: &'m mut Machine,
-    found: Effects,
+    effects: Effects,
     /// Number of enclosing loops, and of enclosing loops and switches, within the searched code.
     loops: usize,
     breakable: usize,
@@ -85,17 +85,17 @@ impl Machine {
         }
         // In a recursion, a second visit finds no new effects.
         self.java.effects.insert(name.to_owned(), Effects::default());
-        let mut found = Effects::default();
+        let mut effects = Effects::default();
         for method in self.java.classes.named_methods(name).to_vec() {
             if let Some(body) = &method.body {
-                let own = self.effects_of(body);
-                found.add(&own);
-                found.returns.extend(own.returns);
+                let body_effects = self.effects_of(body);
+                effects.add(&body_effects);
+                effects.returns.extend(body_effects.returns);
             }
         }
-        (found.leaves, found.continues) = (false, false);
-        self.java.effects.insert(name.to_owned(), found.clone());
-        found
+        (effects.leaves, effects.continues) = (false, false);
+        self.java.effects.insert(name.to_owned(), effects.clone());
+        effects
     }
 }
 
@@ -108,31 +108,32 @@ impl Machine {
             return known.clone();
         }
         self.java.effects.insert(key.clone(), Effects::default());
-        let mut found = Effects::default();
+        let mut effects = Effects::default();
         for function in self.functions_behind(name, arguments) {
-            found.add(&self.effects_of_syntax(&function));
+            effects.add(&self.effects_of_syntax(&function));
         }
-        self.java.effects.insert(key, found.clone());
-        found
+        self.java.effects.insert(key, effects.clone());
+        effects
     }
 
     /// Returns the functions that a call may run.
     fn functions_behind(&self, name: &str, arguments: usize) -> Vec<FunctionSyntax> {
         let methods = self.java.classes.named_methods(name);
-        let is_abstract =
-            methods.iter().any(|own| own.body.is_none() && own.parameters.len() == arguments);
+        let is_abstract = methods
+            .iter()
+            .any(|method| method.body.is_none() && method.parameters.len() == arguments);
         let functions = self.java.functions.values();
-        let is_behind = |own: &&KnownFunction| {
-            let parameters = match &own.syntax {
+        let is_behind = |known_function: &&KnownFunction| {
+            let parameters = match &known_function.syntax {
                 FunctionSyntax::Lambda(lambda) => Some(lambda.parameters.len()),
                 FunctionSyntax::Reference(_) => None,
             };
-            let methods = own.methods.borrow();
+            let methods = known_function.methods.borrow();
             let is_it = methods.is_empty() || methods.contains(name);
             runs_any(name, arguments)
                 || is_it && (is_abstract || may_run(name, arguments, parameters))
         };
-        functions.filter(is_behind).map(|own| own.syntax.clone()).collect()
+        functions.filter(is_behind).map(|function| function.syntax.clone()).collect()
     }
 
     fn effects_of_syntax(&mut self, function: &FunctionSyntax) -> Effects {
@@ -141,31 +142,31 @@ impl Machine {
             FunctionSyntax::Lambda(lambda) => search.statements(&lambda.body),
             FunctionSyntax::Reference(reference) => search.reference(reference),
         }
-        let mut found = search.finish();
-        (found.leaves, found.continues) = (false, false);
-        found
+        let mut effects = search.finish();
+        (effects.leaves, effects.continues) = (false, false);
+        effects
     }
 
     /// Returns the effects of a function, or of this method of an object.
     pub(crate) fn effects_of_function(&mut self, function: &Value, method: &str) -> Effects {
-        let own = match function {
-            Value::Function(own) => Rc::clone(own),
+        let function = match function {
+            Value::Function(function) => Rc::clone(function),
             Value::Object(object) => match &object.function {
-                Some(own) => Rc::clone(own),
+                Some(function) => Rc::clone(function),
                 None => return self.effects_of_method(method),
             },
             _ => return Effects::default(),
         };
-        if let Some(syntax) = own.syntax() {
+        if let Some(syntax) = function.syntax() {
             return self.effects_of_syntax(&syntax);
         }
-        let mut found = Effects::default();
-        if let Code::Combined(combined) = &own.code {
+        let mut effects = Effects::default();
+        if let Code::Combined(combined) = &function.code {
             for part in combined.parts() {
-                found.add(&self.effects_of_function(part, method));
+                effects.add(&self.effects_of_function(part, method));
             }
         }
-        found
+        effects
     }
 
     /// Reduces effects to those that outlive a method: assignments to its local variables do not.
@@ -181,24 +182,24 @@ impl Machine {
 
 impl<'m> Search<'m> {
     fn new(machine: &'m mut Machine) -> Self {
-        let found = Effects::default();
-        Self { machine, found, loops: 0, breakable: 0, aliases: Vec::new() }
+        let effects = Effects::default();
+        Self { machine, effects, loops: 0, breakable: 0, aliases: Vec::new() }
     }
 
     /// Returns the effects found. A change of a variable's contents also changes its aliases.
     fn finish(self) -> Effects {
-        let mut found = self.found;
-        for (alias, of) in self.aliases.iter().rev() {
-            if found.changes.contains(alias) {
-                found.changes.insert(of.clone());
+        let mut effects = self.effects;
+        for (alias, source) in self.aliases.iter().rev() {
+            if effects.changes.contains(alias) {
+                effects.changes.insert(source.clone());
             }
         }
-        found
+        effects
     }
 
     fn alias(&mut self, name: &str, value: &Expression) {
-        if let Some(of) = base_name(value) {
-            self.aliases.push((name.to_owned(), of.to_owned()));
+        if let Some(source) = base_name(value) {
+            self.aliases.push((name.to_owned(), source.to_owned()));
         }
     }
 
@@ -225,21 +226,21 @@ impl<'m> Search<'m> {
                 self.statements(body);
             }
             StatementKind::Local { variables, .. } => {
-                for own in variables {
-                    if let Some(value) = &own.initial {
+                for variable in variables {
+                    if let Some(value) = &variable.initial {
                         self.expression(value);
-                        self.alias(&own.name, value);
+                        self.alias(&variable.name, value);
                     }
                 }
             }
             StatementKind::Expression(value) | StatementKind::Yield(value) => {
                 self.expression(value);
             }
-            StatementKind::If { condition, then, otherwise } => {
+            StatementKind::If { condition, then_branch, otherwise } => {
                 self.expression(condition);
-                self.statement(then);
-                if let Some(own) = otherwise {
-                    self.statement(own);
+                self.statement(then_branch);
+                if let Some(statement) = otherwise {
+                    self.statement(statement);
                 }
             }
             StatementKind::While { condition, body }
@@ -249,7 +250,7 @@ impl<'m> Search<'m> {
             }
             StatementKind::For { initial, condition, update, body } => {
                 self.statements(initial);
-                condition.iter().chain(update).for_each(|own| self.expression(own));
+                condition.iter().chain(update).for_each(|part| self.expression(part));
                 self.in_loop(body);
             }
             StatementKind::ForEach { iterable, body, .. } => {
@@ -258,31 +259,31 @@ impl<'m> Search<'m> {
             }
             StatementKind::Switch { value, groups } => self.switch(value, groups),
             StatementKind::Break(label) => {
-                self.found.leaves |= label.is_some() || self.loops + self.breakable == 0;
+                self.effects.leaves |= label.is_some() || self.loops + self.breakable == 0;
             }
             StatementKind::Continue(label) => {
-                self.found.leaves |= label.is_some();
-                self.found.continues |= self.loops == 0;
+                self.effects.leaves |= label.is_some();
+                self.effects.continues |= self.loops == 0;
             }
             StatementKind::Return(value) => {
-                if let Some(own) = value {
-                    self.expression(own);
-                    self.found.returns.extend(base_name(own).map(str::to_owned));
+                if let Some(value) = value {
+                    self.expression(value);
+                    self.effects.returns.extend(base_name(value).map(str::to_owned));
                 }
-                self.found.leaves = true;
+                self.effects.leaves = true;
             }
             StatementKind::Throw(value) => {
                 self.expression(value);
-                self.found.leaves = true;
+                self.effects.leaves = true;
             }
             StatementKind::Try { resources, body, catches, finally } => {
                 self.statements(resources);
                 self.statements(body);
-                for own in catches {
-                    self.statements(&own.body);
+                for catch in catches {
+                    self.statements(&catch.body);
                 }
-                if let Some(own) = finally {
-                    self.statements(own);
+                if let Some(block) = finally {
+                    self.statements(block);
                 }
             }
             StatementKind::Labelled { body, .. } => self.statement(body),
@@ -296,11 +297,11 @@ impl<'m> Search<'m> {
         self.breakable += 1;
         for group in groups {
             for label in &group.labels {
-                if let Label::Value(own) = label {
-                    self.expression(own);
+                if let Label::Value(value) = label {
+                    self.expression(value);
                 }
             }
-            group.guard.iter().for_each(|own| self.expression(own));
+            group.guard.iter().for_each(|guard| self.expression(guard));
             self.statements(&group.body);
         }
         self.breakable -= 1;
@@ -325,7 +326,7 @@ impl<'m> Search<'m> {
                     self.expression(on);
                     if CHANGING.iter().any(|beginning| name.starts_with(beginning)) {
                         let sources = self.sources(on);
-                        self.found.changes.extend(sources);
+                        self.effects.changes.extend(sources);
                     }
                 }
                 self.expressions(arguments);
@@ -334,7 +335,7 @@ impl<'m> Search<'m> {
                 if changes || on.is_some_and(|class| CHANGING_ARGUMENTS.contains(&class)) {
                     for argument in arguments {
                         let sources = self.sources(argument);
-                        self.found.changes.extend(sources);
+                        self.effects.changes.extend(sources);
                     }
                 }
             }
@@ -354,18 +355,18 @@ impl<'m> Search<'m> {
                 self.assigned(target);
             }
             ExpressionKind::Step { target, .. } => self.assigned(target),
-            ExpressionKind::Field { of, .. } => self.expression(of),
+            ExpressionKind::Field { object, .. } => self.expression(object),
             ExpressionKind::ThisCall(values)
             | ExpressionKind::SuperCall(values)
             | ExpressionKind::Array(values) => self.expressions(values),
             ExpressionKind::NewArray { lengths, values, .. } => {
                 self.expressions(lengths);
-                if let Some(own) = values {
-                    self.expressions(own);
+                if let Some(expressions) = values {
+                    self.expressions(expressions);
                 }
             }
-            ExpressionKind::Index { of, index } => {
-                self.expression(of);
+            ExpressionKind::Index { array, index } => {
+                self.expression(array);
                 self.expression(index);
             }
             ExpressionKind::Unary { value, .. }
@@ -375,9 +376,9 @@ impl<'m> Search<'m> {
                 self.expression(left);
                 self.expression(right);
             }
-            ExpressionKind::Conditional { condition, then, otherwise } => {
+            ExpressionKind::Conditional { condition, then_value, otherwise } => {
                 self.expression(condition);
-                self.expression(then);
+                self.expression(then_value);
                 self.expression(otherwise);
             }
             ExpressionKind::Switch { value, groups } => self.switch(value, groups),
@@ -395,35 +396,35 @@ impl<'m> Search<'m> {
 
     /// Searches code that runs later or never: its jumps do not leave the surrounding code.
     fn aside(&mut self, body: &[Statement]) {
-        let (leaves, continues) = (self.found.leaves, self.found.continues);
+        let (leaves, continues) = (self.effects.leaves, self.effects.continues);
         self.statements(body);
-        (self.found.leaves, self.found.continues) = (leaves, continues);
+        (self.effects.leaves, self.effects.continues) = (leaves, continues);
     }
 
     /// Searches the methods of a class within a method, which later code may call.
     fn methods(&mut self, class: &Class) {
-        for body in class.methods.iter().filter_map(|own| own.body.as_ref()) {
+        for body in class.methods.iter().filter_map(|method| method.body.as_ref()) {
             self.aside(body);
         }
     }
 
     fn reference(&mut self, reference: &Reference) {
-        match (&reference.of, &reference.name) {
-            (ReferenceOf::Expression(of), _) => self.expression(of),
-            (ReferenceOf::Type(own), None) => {
-                self.called(crate::classes::simple(&own.name), 0);
+        match (&reference.target, &reference.name) {
+            (ReferenceTarget::Expression(expression), _) => self.expression(expression),
+            (ReferenceTarget::Type(type_name), None) => {
+                self.called(crate::classes::simple(&type_name.name), 0);
             }
-            (ReferenceOf::Type(_), Some(_)) => {}
+            (ReferenceTarget::Type(_), Some(_)) => {}
         }
         if let Some(name) = &reference.name {
             for arguments in 0..=2 {
                 self.called(name, arguments);
             }
-            if let ReferenceOf::Expression(of) = &reference.of
+            if let ReferenceTarget::Expression(expression) = &reference.target
                 && CHANGING.iter().any(|beginning| name.starts_with(beginning))
             {
-                let sources = self.sources(of);
-                self.found.changes.extend(sources);
+                let sources = self.sources(expression);
+                self.effects.changes.extend(sources);
             }
         }
     }
@@ -431,7 +432,9 @@ impl<'m> Search<'m> {
     fn initializers(&mut self, class: &Class) {
         for member in &class.members {
             match member {
-                Member::Field(field) => field.initial.iter().for_each(|own| self.expression(own)),
+                Member::Field(field) => {
+                    field.initial.iter().for_each(|value| self.expression(value));
+                }
                 Member::Initializer { body, .. } => self.statements(body),
             }
         }
@@ -440,31 +443,31 @@ impl<'m> Search<'m> {
     /// Adds a call of a project method, if one has this name. Returns true if the call may change
     /// contents, possibly of its arguments.
     fn called(&mut self, name: &str, arguments: usize) -> bool {
-        self.found.calls.insert(name.to_owned());
+        self.effects.calls.insert(name.to_owned());
         if self.machine.host.acting().contains(&name) {
             let is_pause = self.machine.host.pausing().contains(&name);
             let action = if is_pause { Action::Pause } else { Action::Motion };
-            self.found.action = self.found.action.max(action);
+            self.effects.action = self.effects.action.max(action);
             return false;
         }
-        let mut own = self.machine.effects_of_method(name);
-        own.add(&self.machine.effects_of_functions(name, arguments));
-        self.found.add(&own);
-        !own.changes.is_empty()
+        let mut effects = self.machine.effects_of_method(name);
+        effects.add(&self.machine.effects_of_functions(name, arguments));
+        self.effects.add(&effects);
+        !effects.changes.is_empty()
     }
 
     fn assigned(&mut self, target: &Expression) {
         match &target.kind {
             ExpressionKind::Name(name) => {
-                self.found.assigns.insert(name.clone());
+                self.effects.assigns.insert(name.clone());
             }
-            ExpressionKind::Field { of, name } => {
-                self.expression(of);
-                self.found.assigns.insert(name.clone());
+            ExpressionKind::Field { object, name } => {
+                self.expression(object);
+                self.effects.assigns.insert(name.clone());
             }
-            ExpressionKind::Index { of, index } => {
+            ExpressionKind::Index { array, index } => {
                 self.expression(index);
-                self.found.changes.extend(base_name(of).map(str::to_owned));
+                self.effects.changes.extend(base_name(array).map(str::to_owned));
             }
             _ => self.expression(target),
         }
@@ -475,7 +478,7 @@ impl<'m> Search<'m> {
 fn base_name(expression: &Expression) -> Option<&str> {
     match &expression.kind {
         ExpressionKind::Name(name) | ExpressionKind::Field { name, .. } => Some(name),
-        ExpressionKind::Index { of, .. } => base_name(of),
+        ExpressionKind::Index { array, .. } => base_name(array),
         ExpressionKind::Call { on: Some(on), .. } => base_name(on),
         _ => None,
     }

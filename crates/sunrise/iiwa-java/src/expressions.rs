@@ -23,23 +23,23 @@ impl Machine {
     }
 
     fn value_of(&mut self, expression: &Expression) -> Result<Value, Stop> {
-        self.here.line = expression.line;
+        self.place.line = expression.line;
         match &expression.kind {
             ExpressionKind::Literal(Literal::String(text)) => Ok(self.literal_text(text)),
             ExpressionKind::Literal(literal) => Ok(of_literal(literal)),
             ExpressionKind::Name(name) => self.named(name),
-            ExpressionKind::Field { of, name } => {
+            ExpressionKind::Field { object, name } => {
                 if let Some(class) = self.qualified(expression) {
                     return Ok(class);
                 }
-                self.field_value(expression, of, name)
+                self.field_value(expression, object, name)
             }
             ExpressionKind::Call { on, name, arguments } => {
                 self.call(expression, on.as_deref(), name, arguments)
             }
             // Handled where constructors are run.
             ExpressionKind::ThisCall(_) | ExpressionKind::SuperCall(_) => {
-                self.refuse("a constructor is called where none can be")
+                self.reject("a constructor is called where none can be")
             }
             ExpressionKind::New { type_name, arguments, body } => {
                 self.new_object(expression, type_name, arguments, body.as_ref())
@@ -49,12 +49,12 @@ impl Machine {
                     self.array_of(values, type_name)
                 } else {
                     let lengths = self.evaluated_all(lengths)?;
-                    self.here.line = expression.line;
+                    self.place.line = expression.line;
                     self.new_array(type_name, &lengths)
                 }
             }
-            ExpressionKind::Array(_) => self.refuse("an array whose type is not known"),
-            ExpressionKind::Index { of, index } => self.element(expression, of, index),
+            ExpressionKind::Array(_) => self.reject("an array whose type is not known"),
+            ExpressionKind::Index { array, index } => self.element(expression, array, index),
             ExpressionKind::Unary { operator, value } => {
                 let value = self.evaluated(value)?;
                 self.unary(*operator, &value)
@@ -75,18 +75,18 @@ impl Machine {
             ExpressionKind::Assign { operator, target, value } => {
                 self.assign(expression, *operator, target, value)
             }
-            ExpressionKind::Conditional { condition, then, otherwise } => {
-                self.conditional(condition, then, otherwise)
+            ExpressionKind::Conditional { condition, then_value, otherwise } => {
+                self.conditional(condition, then_value, otherwise)
             }
             ExpressionKind::Cast { type_name, value } => {
                 let inner = self.evaluated(value)?;
-                self.here.line = expression.line;
+                self.place.line = expression.line;
                 let from = self.static_type(value);
                 self.cast(inner, from.as_ref(), type_name)
             }
             ExpressionKind::InstanceOf { value, pattern } => {
                 let value = self.evaluated(value)?;
-                self.here.line = expression.line;
+                self.place.line = expression.line;
                 self.matches(&value, pattern)
             }
             ExpressionKind::This | ExpressionKind::Super | ExpressionKind::SuperOf(_) => {
@@ -94,18 +94,19 @@ impl Machine {
             }
 
             ExpressionKind::ClassLiteral(type_name) => {
-                let class = self.java.activation().map(|own| own.class);
-                let found = class.and_then(|own| self.java.classes.find(&type_name.name, own));
+                let class = self.java.activation().map(|activation| activation.class);
+                let class_id =
+                    class.and_then(|class| self.java.classes.find(&type_name.name, class));
                 let simple = crate::classes::simple(&type_name.name);
-                Ok(found.map_or_else(|| Value::ForeignClass(Rc::from(simple)), Value::Class))
+                Ok(class_id.map_or_else(|| Value::ForeignClass(Rc::from(simple)), Value::Class))
             }
             ExpressionKind::Switch { value, groups } => {
                 self.value_of_switch(expression, value, groups)
             }
             ExpressionKind::Lambda(lambda) => Ok(self.lambda(lambda)),
             ExpressionKind::Reference(reference) => self.reference(reference),
-            ExpressionKind::Unsupported(what) => {
-                Ok(self.unknown(format!("{what}, which is not evaluated")))
+            ExpressionKind::Unsupported(construct) => {
+                Ok(self.unknown(format!("{construct}, which is not evaluated")))
             }
         }
     }
@@ -123,15 +124,15 @@ impl Machine {
     fn field_value(
         &mut self,
         expression: &Expression,
-        of: &Expression,
+        receiver: &Expression,
         name: &str,
     ) -> Result<Value, Stop> {
-        let value = self.evaluated(of)?;
-        self.here.line = expression.line;
+        let value = self.evaluated(receiver)?;
+        self.place.line = expression.line;
         match &value {
             // Fields are not overridden: the static type of the receiver selects the field.
             Value::Object(object) if is_hidden(object, name) => {
-                let Some(from) = self.class_of(of) else {
+                let Some(from) = self.class_of(receiver) else {
                     return Ok(self.unknown(format!("which of several fields `{name}`")));
                 };
                 Ok(self.field_of(object, from, name).unwrap_or(Value::Null))
@@ -143,13 +144,13 @@ impl Machine {
     fn element(
         &mut self,
         expression: &Expression,
-        of: &Expression,
+        array: &Expression,
         index: &Expression,
     ) -> Result<Value, Stop> {
-        let (of, index) = (self.evaluated(of)?, self.evaluated(index)?);
-        self.here.line = expression.line;
-        match (&of, &index) {
-            (Value::Unknown(_), _) => Ok(of),
+        let (array, index) = (self.evaluated(array)?, self.evaluated(index)?);
+        self.place.line = expression.line;
+        match (&array, &index) {
+            (Value::Unknown(_), _) => Ok(array),
             (_, Value::Unknown(_)) => Ok(index),
             (Value::Array(array), _) => {
                 let index = self.index(&index, array.values.borrow().len())?;
@@ -157,7 +158,7 @@ impl Machine {
                 Ok(values.get(index).cloned().unwrap_or(Value::Null))
             }
             (Value::Null, _) => self.throw("NullPointerException", "an element of null is used"),
-            _ => self.refuse(format!("{} has no elements", of.kind())),
+            _ => self.reject(format!("{} has no elements", array.kind())),
         }
     }
 
@@ -174,7 +175,7 @@ impl Machine {
             Some(operator) => {
                 let old = self.kept(&slot);
                 let right = self.evaluated(value)?;
-                self.here.line = expression.line;
+                self.place.line = expression.line;
                 let is_text = self.type_of(&slot).as_ref().is_some_and(is_text);
                 let result = if operator == BinaryOperator::Add && is_text {
                     self.concatenated(&old, &right)?
@@ -190,18 +191,18 @@ impl Machine {
     fn conditional(
         &mut self,
         condition: &Expression,
-        then: &Expression,
+        then_value: &Expression,
         otherwise: &Expression,
     ) -> Result<Value, Stop> {
         match self.condition(condition)? {
             Ok(is_true) => {
-                let value = self.evaluated(if is_true { then } else { otherwise })?;
+                let value = self.evaluated(if is_true { then_value } else { otherwise })?;
                 let wanted = match value {
                     Value::Null
                     | Value::Char(_)
                     | Value::Int(_)
                     | Value::Long(_)
-                    | Value::Float(_) => self.type_of_conditional(then, otherwise),
+                    | Value::Float(_) => self.type_of_conditional(then_value, otherwise),
                     _ => None,
                 };
                 match wanted {
@@ -210,10 +211,10 @@ impl Machine {
                 }
             }
             Err(unknown) => {
-                for side in [then, otherwise] {
+                for side in [then_value, otherwise] {
                     let effects = self.effects_of_expression(side);
                     if effects.acts() {
-                        return self.refuse_unknown("which side is taken here", &unknown);
+                        return self.reject_unknown("which side is taken here", &unknown);
                     }
                     self.forget_values(&effects, &unknown);
                 }
@@ -224,12 +225,12 @@ impl Machine {
 
     /// Returns `this`, or null outside of an object.
     fn this(&self) -> Value {
-        let this = self.java.activation().and_then(|own| own.this.clone());
+        let this = self.java.activation().and_then(|activation| activation.this.clone());
         this.map_or(Value::Null, Value::Object)
     }
 
     pub(crate) fn evaluated_all(&mut self, all: &[Expression]) -> Result<Vec<Value>, Stop> {
-        all.iter().map(|own| self.evaluated(own)).collect()
+        all.iter().map(|expression| self.evaluated(expression)).collect()
     }
 
     /// Returns the initial value of a variable of this type; an array may be given by its elements
@@ -249,14 +250,14 @@ impl Machine {
     /// Converts the result of a compound assignment to the type of the variable that held `old`.
     fn narrowed(&self, slot: &Slot, old: &Value, new: Value) -> Value {
         match self.type_of(slot) {
-            Some(own) if is_primitive(&own) => new.cast_to(&own),
+            Some(type_name) if is_primitive(&type_name) => new.cast_to(&type_name),
             _ => like(old, new),
         }
     }
 
     fn array_of(&mut self, values: &[Expression], type_name: &TypeName) -> Result<Value, Stop> {
         let element = type_name.element();
-        let values = values.iter().map(|own| self.initial_value(own, &element));
+        let values = values.iter().map(|value| self.initial_value(value, &element));
         let values = RefCell::new(values.collect::<Result<Vec<_>, _>>()?);
         Ok(Value::Array(Rc::new(Array { element, values })))
     }
@@ -275,11 +276,11 @@ impl Machine {
             return self.throw("NegativeArraySizeException", length.to_string());
         };
         if length > MAX_ELEMENTS {
-            return self.refuse(format!("an array of {length} elements is too large"));
+            return self.reject(format!("an array of {length} elements is too large"));
         }
         self.java.steps += u32::try_from(length / 100).unwrap_or(MAX_STEPS);
         if self.java.steps > MAX_STEPS {
-            return self.refuse("arrays take too much memory");
+            return self.reject("arrays take too much memory");
         }
         let element = type_name.element();
         let values = if others.is_empty() {
@@ -303,7 +304,7 @@ impl Machine {
             BinaryOperator::OrElse => true,
             _ => {
                 let second = self.evaluated(right)?;
-                self.here.line = expression.line;
+                self.place.line = expression.line;
                 return self.of_values(operator, (left, &first), (right, &second));
             }
         };
@@ -314,7 +315,7 @@ impl Machine {
                 // The evaluation of the right side depends on an unknown value.
                 let effects = self.effects_of_expression(right);
                 if effects.acts() {
-                    return self.refuse_unknown("whether the right side is evaluated", &unknown);
+                    return self.reject_unknown("whether the right side is evaluated", &unknown);
                 }
                 let second = self.evaluated(right)?;
                 self.forget_values(&effects, &unknown);
@@ -323,7 +324,7 @@ impl Machine {
                     _ => Value::Unknown(unknown),
                 })
             }
-            other => self.refuse(format!("a condition is {}", other.kind())),
+            other => self.reject(format!("a condition is {}", other.kind())),
         }
     }
 
@@ -366,7 +367,7 @@ impl Machine {
             {
                 let is_text = [left, right]
                     .into_iter()
-                    .any(|own| self.static_type(own).as_ref().is_some_and(is_text));
+                    .any(|operand| self.static_type(operand).as_ref().is_some_and(is_text));
                 if is_text {
                     self.concatenated(first, second)
                 } else {
@@ -380,12 +381,12 @@ impl Machine {
     /// Resolves a class name with its package.
     fn qualified(&mut self, expression: &Expression) -> Option<Value> {
         let mut names = Vec::new();
-        let mut at = expression;
+        let mut current = expression;
         loop {
-            match &at.kind {
-                ExpressionKind::Field { of, name } => {
+            match &current.kind {
+                ExpressionKind::Field { object, name } => {
                     names.push(name.as_str());
-                    at = of;
+                    current = object;
                 }
                 ExpressionKind::Name(name) => {
                     names.push(name.as_str());

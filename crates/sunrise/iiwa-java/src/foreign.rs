@@ -141,8 +141,8 @@ impl Machine {
                     // The class of an enum, or a capacity.
                     None | Some(Value::Int(_) | Value::Class(_) | Value::ForeignClass(_)) => {}
                     Some(other) => {
-                        let what = self.unknown(format!("a `{class}` of {}", other.kind()));
-                        if let Some(unknown) = other.unknown().or(what.unknown()) {
+                        let created = self.unknown(format!("a `{class}` of {}", other.kind()));
+                        if let Some(unknown) = other.unknown().or(created.unknown()) {
                             self.spoil(&map, &Rc::clone(unknown));
                         }
                     }
@@ -181,7 +181,7 @@ impl Machine {
                     Some(value @ Value::Unknown(_)) => (value.clone(), String::new()),
                     _ => (Value::Null, String::new()),
                 };
-                let place = self.here.clone();
+                let place = self.place.clone();
                 Value::Exception(Rc::new(Thrown {
                     classes: vec![Rc::from(class)],
                     value,
@@ -205,9 +205,9 @@ impl Machine {
             (Some(unknown), _) => Err(unknown),
             (None, Some(values)) => Ok(values),
             (None, None) => {
-                let what =
+                let result =
                     self.unknown(format!("a `{class}` of {} without an order", first.kind()));
-                what.unknown().cloned().map_or(Ok(Vec::new()), Err)
+                result.unknown().cloned().map_or(Ok(Vec::new()), Err)
             }
         }
     }
@@ -215,7 +215,7 @@ impl Machine {
     /// Refuses a project class whose file cannot be used.
     fn check_usable(&self, class: &str) -> Result<(), Stop> {
         match self.java.classes.faulty(class) {
-            Some(error) => self.refuse(format!("the class {class} cannot be used: {error}")),
+            Some(error) => self.reject(format!("the class {class} cannot be used: {error}")),
             None => Ok(()),
         }
     }
@@ -226,7 +226,7 @@ impl Machine {
             ("lineSeparator", []) => Value::text("\n"),
             ("gc", []) => Value::Null,
             ("getProperty" | "getenv", _) => self.unknown("the controller's environment"),
-            ("exit", _) => return self.refuse("`System.exit` ends the controller's Java"),
+            ("exit", _) => return self.reject("`System.exit` ends the controller's Java"),
             (
                 "arraycopy",
                 [Value::Array(from), from_index, Value::Array(to), to_index, Value::Int(count)],

@@ -113,7 +113,7 @@ impl Machine {
                 let unknown = self.unknown("whether a negative number is a `byte` or an `int`");
                 return Ok(unknown
                     .unknown()
-                    .map_or_else(|| Ok(String::new()), |own| Err(Rc::clone(own))));
+                    .map_or_else(|| Ok(String::new()), |unknown| Err(Rc::clone(unknown))));
             }
             ('x', Value::Int(_) | Value::Long(_)) => {
                 let digits = match value {
@@ -151,7 +151,7 @@ impl Machine {
                 letter.unwrap_or('\u{fffd}').to_string()
             }
             _ => {
-                return self.refuse(format!(
+                return self.reject(format!(
                     "the format %{written}{conversion} for {} is not known",
                     value.kind()
                 ));

@@ -27,8 +27,8 @@ impl FunctionSyntax {
     /// Returns the memory address.
     pub(crate) fn address(&self) -> usize {
         match self {
-            Self::Lambda(own) => Arc::as_ptr(own).cast::<()>() as usize,
-            Self::Reference(own) => Arc::as_ptr(own).cast::<()>() as usize,
+            Self::Lambda(lambda) => Arc::as_ptr(lambda).cast::<()>() as usize,
+            Self::Reference(reference) => Arc::as_ptr(reference).cast::<()>() as usize,
         }
     }
 }
@@ -68,7 +68,7 @@ impl Combined {
     pub(crate) fn parts(&self) -> Vec<&Value> {
         match self {
             Self::Identity | Self::ByEntry { .. } => Vec::new(),
-            Self::Not { of, .. } | Self::Reversed(of) => vec![of],
+            Self::Not { predicate: function, .. } | Self::Reversed(function) => vec![function],
             Self::ByKey { key, order, .. } => std::iter::once(key).chain(order).collect(),
             Self::Chain { first, second, .. }
             | Self::Both { first, second, .. }

@@ -21,7 +21,7 @@ use crate::{
     machine::Machine,
     stop::Stop,
     syntax::{
-        ClassKind, Expression, ExpressionKind, Lambda, Method, Reference, ReferenceOf, TypeName,
+        ClassKind, Expression, ExpressionKind, Lambda, Method, Reference, ReferenceTarget, TypeName,
     },
     type_names::is_primitive,
     value::{Code, Function, Local, Object, Value},
@@ -39,36 +39,36 @@ impl Machine {
 
     /// Evaluates a method reference.
     pub(crate) fn reference(&mut self, reference: &Arc<Reference>) -> Result<Value, Stop> {
-        let receiver = match &reference.of {
-            ReferenceOf::Type(_) => None,
-            ReferenceOf::Expression(of) => match self.evaluated(of)? {
-                Value::Class(_) | Value::ForeignClass(_) if !is_print_stream(of) => None,
+        let receiver = match &reference.target {
+            ReferenceTarget::Type(_) => None,
+            ReferenceTarget::Expression(expression) => match self.evaluated(expression)? {
+                Value::Class(_) | Value::ForeignClass(_) if !is_print_stream(expression) => None,
                 Value::Null => {
                     return self.throw("NullPointerException", "a method reference to null");
                 }
                 receiver => Some(receiver),
             },
         };
-        self.here.line = reference.line;
+        self.place.line = reference.line;
         let code = Code::Reference(Arc::clone(reference), receiver);
         Ok(self.new_function(reference.line, code))
     }
 
     pub(crate) fn new_function(&mut self, line: u32, code: Code) -> Value {
         let activation = self.java.activation();
-        let class = activation.map_or(ClassId(0), |own| own.class);
-        let this = activation.and_then(|own| own.this.clone());
+        let class = activation.map_or(ClassId(0), |activation| activation.class);
+        let this = activation.and_then(|activation| activation.this.clone());
         let names = match &code {
             Code::Lambda(lambda) => &lambda.names[..],
             Code::Reference(reference, _) => &reference.names,
             Code::Combined(_) => &[],
         };
-        let locals = activation.map_or(&[][..], |own| &own.locals).iter();
-        let is_named = |own: &&Local| names.binary_search(&own.name).is_ok();
+        let locals = activation.map_or(&[][..], |activation| &activation.locals).iter();
+        let is_named = |local: &&Local| names.binary_search(&local.name).is_ok();
         // A class of the method captures all enclosing variables.
         let has_class =
-            locals.clone().filter(is_named).any(|own| matches!(own.value, Value::Class(_)));
-        let locals = locals.filter(|own| has_class || is_named(own)).cloned().collect();
+            locals.clone().filter(is_named).any(|local| matches!(local.value, Value::Class(_)));
+        let locals = locals.filter(|local| has_class || is_named(local)).cloned().collect();
         let depth = match &code {
             Code::Combined(combined) => {
                 1 + combined.parts().into_iter().map(depth).max().unwrap_or(0)
@@ -107,9 +107,10 @@ impl Machine {
             if self.java.classes.known(class).class.kind != ClassKind::Interface {
                 return same;
             }
-            let own = self.abstract_method(class).map(|(_, own)| own.name.clone());
-            let foreign = || self.foreign_interface(class).map(|own| own.method.to_owned());
-            if let Some(method) = own.or_else(foreign) {
+            let method_name = self.abstract_method(class).map(|(_, method)| method.name.clone());
+            let foreign =
+                || self.foreign_interface(class).map(|interface| interface.method.to_owned());
+            if let Some(method) = method_name.or_else(foreign) {
                 self.implements(function, &method);
             }
             return Value::Object(Rc::new(Object {
@@ -123,8 +124,8 @@ impl Machine {
                 function: Some(Rc::clone(function)),
             }));
         }
-        if let Some(own) = interface(simple(&wanted.name)) {
-            self.implements(function, own.method);
+        if let Some(interface) = interface(simple(&wanted.name)) {
+            self.implements(function, interface.method);
             // The first interface is kept, because the object is shared.
             _ = function.interface.set(wanted.clone());
         }
@@ -133,7 +134,7 @@ impl Machine {
 
     /// Records the method by which calls run a function.
     fn implements(&self, function: &Function, method: &str) {
-        let known = function.syntax().and_then(|own| self.java.functions.get(&own.address()));
+        let known = function.syntax().and_then(|syntax| self.java.functions.get(&syntax.address()));
         if let Some(known) = known {
             known.methods.borrow_mut().insert(method.to_owned());
         }
@@ -143,18 +144,18 @@ impl Machine {
     pub(crate) fn abstract_method(&self, id: ClassId) -> Option<(ClassId, Arc<Method>)> {
         let classes = &self.java.classes;
         let parents = classes.with_parents(id);
-        let of = |class: &ClassId| {
+        let methods_of = |class: &ClassId| {
             let class = *class;
-            classes.known(class).class.methods.iter().map(move |own| (class, Arc::clone(own)))
+            classes.known(class).class.methods.iter().map(move |method| (class, Arc::clone(method)))
         };
-        let all: Vec<_> = parents.iter().flat_map(of).collect();
-        let is_implemented = |place: usize, own: &Method| {
+        let all: Vec<_> = parents.iter().flat_map(methods_of).collect();
+        let is_implemented = |place: usize, method: &Method| {
             let nearer = all[..place].iter();
             nearer.clone().any(|(_, other)| {
-                other.name == own.name && other.parameters.len() == own.parameters.len()
+                other.name == method.name && other.parameters.len() == method.parameters.len()
             })
         };
-        let mut found = None;
+        let mut unimplemented = None;
         for (place, (class, method)) in all.iter().enumerate() {
             let is_of_object = matches!(
                 (method.name.as_str(), method.parameters.len()),
@@ -163,12 +164,12 @@ impl Machine {
             if method.body.is_some() || is_of_object || is_implemented(place, method) {
                 continue;
             }
-            if found.is_some() {
+            if unimplemented.is_some() {
                 return None;
             }
-            found = Some((*class, Arc::clone(method)));
+            unimplemented = Some((*class, Arc::clone(method)));
         }
-        found
+        unimplemented
     }
 
     /// Returns the Java library interface that a project interface extends.
@@ -176,7 +177,7 @@ impl Machine {
         let classes = &self.java.classes;
         let parents = classes.with_parents(id).into_iter();
         let mut above = parents.flat_map(|id| &classes.known(id).class.implements);
-        above.find_map(|own| interface(simple(&own.name)))
+        above.find_map(|type_name| interface(simple(&type_name.name)))
     }
 
     /// Runs a function through this Java library interface; the value is null if the interface
@@ -188,7 +189,7 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Value, Stop> {
         let Some(interface) = interface(as_interface) else {
-            return self.refuse(format!("the interface {as_interface} is not known"));
+            return self.reject(format!("the interface {as_interface} is not known"));
         };
         let arguments = self.as_parameters(interface, arguments)?;
         let name = interface.method;
@@ -199,12 +200,15 @@ impl Machine {
             .is_overloaded(name)
             .then(|| (name.to_owned(), vec![None; arguments.len()]));
         let result = match function {
-            Value::Function(own) => {
-                _ = own.interface.set(TypeName::new(as_interface, 0));
-                self.implements(own, name);
-                let types = interface.parameters.iter().map(|of| Interface::resolved(of, &[]));
+            Value::Function(function) => {
+                _ = function.interface.set(TypeName::new(as_interface, 0));
+                self.implements(function, name);
+                let types = interface
+                    .parameters
+                    .iter()
+                    .map(|parameter| Interface::resolved(parameter, &[]));
                 let types: Vec<_> = types.collect();
-                self.run_function(own, &arguments, &types)?
+                self.run_function(function, &arguments, &types)?
             }
             Value::Object(object) => self.call_on_object(object, name, &arguments)?,
             other => self.call_on(other, name, &arguments)?,
@@ -219,7 +223,11 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Vec<Value>, Stop> {
         let pairs = arguments.iter().zip(interface.parameters);
-        pairs.map(|(value, own)| self.for_variable(value.clone(), &TypeName::new(own, 0))).collect()
+        pairs
+            .map(|(value, type_name)| {
+                self.for_variable(value.clone(), &TypeName::new(type_name, 0))
+            })
+            .collect()
     }
 
     /// Calls a method of a function without a project interface.
@@ -229,7 +237,7 @@ impl Machine {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        let Some(own) = function.interface.get().cloned() else {
+        let Some(interface_type) = function.interface.get().cloned() else {
             // These methods have no argument or result whose type is needed.
             if arguments.is_empty() && matches!(name, "run" | "call" | "get") {
                 return self.run_function(function, arguments, &[]);
@@ -244,15 +252,17 @@ impl Machine {
             )?;
             return Ok(value);
         };
-        let Some(interface) = interface(simple(&own.name)) else {
-            return self.refuse(format!("the interface {} is not known", own.name));
+        let Some(interface) = interface(simple(&interface_type.name)) else {
+            return self.reject(format!("the interface {} is not known", interface_type.name));
         };
         if interface.method == name && interface.parameters.len() == arguments.len() {
             let arguments = self.as_parameters(interface, arguments)?;
             let types = interface.parameters.iter();
-            let types: Vec<_> = types.map(|of| Interface::resolved(of, &own.arguments)).collect();
+            let types: Vec<_> = types
+                .map(|type_name| Interface::resolved(type_name, &interface_type.arguments))
+                .collect();
             let result = self.run_function(function, &arguments, &types)?;
-            return match Interface::resolved(interface.returns, &own.arguments) {
+            return match Interface::resolved(interface.returns, &interface_type.arguments) {
                 Some(returns) => self.for_result(result, &returns),
                 None => Ok(result),
             };
@@ -305,14 +315,14 @@ impl Machine {
         match &function.code {
             Code::Lambda(lambda) => {
                 if lambda.parameters.len() != arguments.len() {
-                    return self.refuse("a lambda expression gets another number of arguments");
+                    return self.reject("a lambda expression gets another number of arguments");
                 }
                 self.java.argument_types = None;
                 let from =
                     self.activate(function.class, this, "a lambda expression", function.line)?;
-                if let Some(own) = self.java.activations.last_mut() {
-                    own.locals.clone_from(&function.locals);
-                    own.lambda = Some(Arc::clone(lambda));
+                if let Some(activation) = self.java.activations.last_mut() {
+                    activation.locals.clone_from(&function.locals);
+                    activation.lambda = Some(Arc::clone(lambda));
                 }
                 let result = self.run_lambda(lambda, arguments, types);
                 self.leave(from, &result);
@@ -321,8 +331,8 @@ impl Machine {
             Code::Reference(reference, receiver) => {
                 let name = reference.name.as_deref().unwrap_or("new");
                 let from = self.activate(function.class, this, name, function.line)?;
-                if let Some(own) = self.java.activations.last_mut() {
-                    own.locals.clone_from(&function.locals);
+                if let Some(activation) = self.java.activations.last_mut() {
+                    activation.locals.clone_from(&function.locals);
                 }
                 let result = self.run_reference(reference, receiver.as_ref(), arguments, types);
                 self.leave(from, &result);
@@ -339,15 +349,15 @@ impl Machine {
         types: &[Option<TypeName>],
     ) -> Result<Value, Stop> {
         for (place, (parameter, value)) in lambda.parameters.iter().zip(arguments).enumerate() {
-            let own = match parameter.type_name.name.as_str() {
+            let type_name = match parameter.type_name.name.as_str() {
                 "var" => types.get(place).cloned().flatten(),
                 _ => Some(parameter.type_name.clone()),
             };
-            let value = match &own {
-                Some(own) => self.for_variable(value.clone(), own)?,
+            let value = match &type_name {
+                Some(type_name) => self.for_variable(value.clone(), type_name)?,
                 None => value.clone(),
             };
-            self.java.declare(&parameter.name, own.as_ref(), value);
+            self.java.declare(&parameter.name, type_name.as_ref(), value);
         }
         match self.block(&lambda.body)? {
             crate::flow::Flow::Return(value) => Ok(value),
@@ -363,24 +373,24 @@ impl Machine {
         types: &[Option<TypeName>],
     ) -> Result<Value, Stop> {
         let Some(name) = &reference.name else {
-            let ReferenceOf::Type(own) = &reference.of else {
-                return self.refuse("a constructor of no class");
+            let ReferenceTarget::Type(type_name) = &reference.target else {
+                return self.reject("a constructor of no class");
             };
-            self.set_argument_types(simple(&own.name), arguments, types);
-            return self.new_by_reference(own, arguments);
+            self.set_argument_types(simple(&type_name.name), arguments, types);
+            return self.new_by_reference(type_name, arguments);
         };
         if let Some(receiver) = receiver {
             let name = method_of_list(receiver, name, types);
             self.set_argument_types(name, arguments, types);
             return self.call_on(receiver, name, arguments);
         }
-        let class = match &reference.of {
-            ReferenceOf::Type(own) if own.dimensions > 0 => Value::Null,
-            ReferenceOf::Type(own) => match self.class_named(&own.name) {
+        let class = match &reference.target {
+            ReferenceTarget::Type(type_name) if type_name.dimensions > 0 => Value::Null,
+            ReferenceTarget::Type(type_name) => match self.class_named(&type_name.name) {
                 Some(id) => Value::Class(id),
-                None => Value::ForeignClass(Rc::from(simple(&own.name))),
+                None => Value::ForeignClass(Rc::from(simple(&type_name.name))),
             },
-            ReferenceOf::Expression(of) => self.evaluated(of)?,
+            ReferenceTarget::Expression(expression) => self.evaluated(expression)?,
         };
         let statics = match &class {
             Value::Class(id) => self.has_static(*id, name, arguments),
@@ -399,7 +409,7 @@ impl Machine {
             return self.call_on(&class, name, arguments);
         }
         let Some((first, others)) = arguments.split_first() else {
-            return self.refuse(format!("the method reference `{name}` gets no object"));
+            return self.reject(format!("the method reference `{name}` gets no object"));
         };
         let types = types.get(1..).unwrap_or_default();
         let name = method_of_list(first, name, types);
@@ -410,22 +420,26 @@ impl Machine {
     /// Returns true if a class has a static method of this name that accepts these arguments.
     fn has_static(&self, id: ClassId, name: &str, arguments: &[Value]) -> bool {
         let methods = self.java.classes.methods(id, name).into_iter();
-        let mut statics = methods.filter(|(_, own)| own.is_static);
+        let mut statics = methods.filter(|(_, method)| method.is_static);
         let is_of_enum = self.java.classes.known(id).class.kind == ClassKind::Enum
             && matches!(name, "valueOf" | "values");
-        is_of_enum || statics.any(|(owner, own)| self.fit(owner, &own, arguments).is_some())
+        is_of_enum || statics.any(|(owner, method)| self.fit(owner, &method, arguments).is_some())
     }
 
-    fn new_by_reference(&mut self, own: &TypeName, arguments: &[Value]) -> Result<Value, Stop> {
-        if own.dimensions > 0 {
-            return self.new_array(own, arguments);
+    fn new_by_reference(
+        &mut self,
+        type_name: &TypeName,
+        arguments: &[Value],
+    ) -> Result<Value, Stop> {
+        if type_name.dimensions > 0 {
+            return self.new_array(type_name, arguments);
         }
-        match self.class_named(&own.name) {
+        match self.class_named(&type_name.name) {
             Some(class) => {
                 let captured = self.captured(class, false);
                 self.construct(class, arguments, captured)
             }
-            None => self.new_of_library(simple(&own.name), arguments),
+            None => self.new_of_library(simple(&type_name.name), arguments),
         }
     }
 
@@ -443,8 +457,8 @@ impl Machine {
 /// Returns the composition depth of a value's function.
 fn depth(value: &Value) -> usize {
     match value {
-        Value::Function(own) => own.depth,
-        Value::Object(object) => object.function.as_ref().map_or(0, |own| own.depth),
+        Value::Function(function) => function.depth,
+        Value::Object(object) => object.function.as_ref().map_or(0, |function| function.depth),
         _ => 0,
     }
 }
@@ -452,7 +466,8 @@ fn depth(value: &Value) -> usize {
 /// Selects the `remove` of a list: it takes an index only through an interface with a primitive
 /// parameter; type variables are objects.
 fn method_of_list<'n>(receiver: &Value, name: &'n str, types: &[Option<TypeName>]) -> &'n str {
-    let is_index = types.first().is_some_and(|own| own.as_ref().is_some_and(is_primitive));
+    let is_index =
+        types.first().is_some_and(|type_name| type_name.as_ref().is_some_and(is_primitive));
     match (receiver, name) {
         (Value::List(_), "remove") if !types.is_empty() && !is_index => REMOVE_ELEMENT,
         _ => name,
@@ -460,14 +475,16 @@ fn method_of_list<'n>(receiver: &Value, name: &'n str, types: &[Option<TypeName>
 }
 
 /// Returns true for `System.out` and `System.err`, which the evaluator represents as classes.
-fn is_print_stream(of: &Expression) -> bool {
-    matches!(&of.kind, ExpressionKind::Field { name, .. } if matches!(name.as_str(), "out" | "err"))
+fn is_print_stream(expression: &Expression) -> bool {
+    matches!(&expression.kind, ExpressionKind::Field { name, .. } if matches!(name.as_str(), "out" | "err"))
 }
 
 /// Returns false if a value is certainly not of a Java library class.
 fn may_be_of(value: &Value, class: &str) -> bool {
     match class_of_value(value) {
-        Some(own) => own == class || !matches!(class, "Math" | "Arrays" | "Collections"),
+        Some(value_class) => {
+            value_class == class || !matches!(class, "Math" | "Arrays" | "Collections")
+        }
         None => true,
     }
 }

@@ -107,7 +107,7 @@ const RUNNING: [&str; 28] = [
 
 /// Returns the functional interface with a simple name.
 pub(crate) fn interface(name: &str) -> Option<&'static Interface> {
-    ALL.iter().find(|own| own.name == name)
+    ALL.iter().find(|interface| interface.name == name)
 }
 
 /// Returns true if a library method with this number of arguments may run a function of any
@@ -120,9 +120,9 @@ pub(crate) fn runs_any(method: &str, arguments: usize) -> bool {
 /// Returns true if a method with this number of arguments may run a function with this number of
 /// parameters through a Java library interface.
 pub(crate) fn may_run(method: &str, arguments: usize, parameters: Option<usize>) -> bool {
-    let is_it = |own: &Interface| {
-        own.method == method
-            && own.parameters.len() == arguments
+    let is_it = |interface: &Interface| {
+        interface.method == method
+            && interface.parameters.len() == arguments
             && parameters.is_none_or(|count| count == arguments)
     };
     ALL.iter().any(is_it)
@@ -132,7 +132,7 @@ impl Interface {
     /// Resolves a type of the method with these type arguments; `None` if they do not determine it.
     pub(crate) fn resolved(type_name: &str, arguments: &[TypeName]) -> Option<TypeName> {
         match type_name.parse::<usize>() {
-            Ok(place) => arguments.get(place).filter(|own| !own.name.is_empty()).cloned(),
+            Ok(place) => arguments.get(place).filter(|argument| !argument.name.is_empty()).cloned(),
             Err(_) => Some(TypeName::new(type_name, 0)),
         }
     }

@@ -31,9 +31,11 @@ impl Machine {
         if let (Value::List(_) | Value::Map(_), "stream", []) = (receiver, name, arguments) {
             return Ok(Self::stream_of(StreamKind::Object, receiver.clone()));
         }
-        let found = match receiver {
+        let result = match receiver {
             Value::Text(text) => {
-                if let Some(unknown) = arguments.iter().find(|own| own.unknown().is_some()) {
+                if let Some(unknown) =
+                    arguments.iter().find(|argument| argument.unknown().is_some())
+                {
                     return Ok(unknown.clone());
                 }
                 let text = Rc::clone(text);
@@ -56,9 +58,9 @@ impl Machine {
                 let stream = Rc::clone(stream);
                 self.of_stream(&stream, name, arguments)?
             }
-            Value::Optional(own) => {
-                let own = Rc::clone(own);
-                self.of_optional(&own, name, arguments)?
+            Value::Optional(optional) => {
+                let optional = Rc::clone(optional);
+                self.of_optional(&optional, name, arguments)?
             }
             Value::Iterator(iteration) => {
                 let iteration = Rc::clone(iteration);
@@ -86,7 +88,7 @@ impl Machine {
             },
             _ => Self::of_any(receiver, name, arguments),
         };
-        match found {
+        match result {
             Some(value) => Ok(value),
             None => match (name, arguments) {
                 ("equals", [other]) => Ok(match self.are_equal(receiver, other)? {
@@ -152,7 +154,7 @@ impl Machine {
             ("floatValue", []) => receiver.clone().cast_to(&primitive("float")),
             ("booleanValue" | "charValue", []) => receiver.clone(),
             ("compareTo", [Value::Char(other)]) => match receiver {
-                Value::Char(own) => Value::Int(i32::from(*own) - i32::from(*other)),
+                Value::Char(character) => Value::Int(i32::from(*character) - i32::from(*other)),
                 _ => return None,
             },
             ("compareTo", [other]) => match (receiver.number(), other.number()) {
@@ -247,7 +249,7 @@ impl Machine {
                 self.text_of_elements(&values)?.map_or_else(Value::Unknown, Value::text)
             }
             ("Arrays", "equals", [Value::Array(a), Value::Array(b)]) => {
-                let [a, b] = [a, b].map(|own| Value::list(own.values.borrow().clone()));
+                let [a, b] = [a, b].map(|list| Value::list(list.values.borrow().clone()));
                 match self.are_equal(&a, &b)? {
                     Ok(is_equal) => Value::Boolean(is_equal),
                     Err(unknown) => Value::Unknown(unknown),
@@ -382,8 +384,8 @@ impl Machine {
     ) -> Result<Option<Value>, Stop> {
         Ok(Some(match (name, arguments) {
             ("reverseOrder", []) => self.reverse_order(),
-            ("reverseOrder", [of]) if !matches!(of, Value::Null) => {
-                self.library_function(Combined::Reversed(of.clone()))
+            ("reverseOrder", [comparator]) if !matches!(comparator, Value::Null) => {
+                self.library_function(Combined::Reversed(comparator.clone()))
             }
             ("nCopies", [Value::Int(count), value]) => {
                 let count = usize::try_from(*count).unwrap_or(0).min(MAX_ELEMENTS);

@@ -11,7 +11,7 @@ use crate::{
 impl Machine {
     /// Evaluates `Collectors.name(...)`; `None` if it is not modelled.
     pub(crate) fn of_collectors(name: &str, arguments: &[Value]) -> Option<Value> {
-        let text = |own: Option<&Value>| match own {
+        let text = |value: Option<&Value>| match value {
             None => Some(Rc::from("")),
             Some(Value::Text(text)) => Some(Rc::clone(text)),
             Some(_) => None,
@@ -55,11 +55,11 @@ impl Machine {
                 }
                 Ok(Value::text(format!("{before}{}{behind}", texts.join(between))))
             }
-            Collector::Map(key, of) => {
+            Collector::Map(key, mapper) => {
                 let map = new_map(false);
                 for value in values {
                     let key = self.apply(key, "Function", std::slice::from_ref(&value))?;
-                    let value = self.apply(of, "Function", &[value])?;
+                    let value = self.apply(mapper, "Function", &[value])?;
                     if matches!(value, Value::Null) {
                         return self.throw("NullPointerException", "a value of a map is null");
                     }
@@ -105,12 +105,12 @@ impl Machine {
     /// Calls a method of an optional value; `None` if it is not modelled.
     pub(crate) fn of_optional(
         &mut self,
-        own: &Rc<Option<Value>>,
+        optional: &Rc<Option<Value>>,
         name: &str,
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
-        let value = (**own).clone();
-        let same = || Value::Optional(Rc::clone(own));
+        let value = (**optional).clone();
+        let same = || Value::Optional(Rc::clone(optional));
         let empty = || Value::Optional(Rc::new(None));
         Ok(Some(match (name, arguments, value) {
             ("isPresent", [], value) => Value::Boolean(value.is_some()),

@@ -53,7 +53,7 @@ impl Machine {
                 self.java.changes += u64::from(is_changed);
                 map.borrow_mut()
                     .entries
-                    .retain(|(key, _)| kept.iter().any(|own| own.is_equal(key)));
+                    .retain(|(key, _)| kept.iter().any(|kept_key| kept_key.is_equal(key)));
                 Ok(Some(Value::Boolean(is_changed)))
             }
             (Value::List(list), "replaceAll", [_]) => {
@@ -91,7 +91,7 @@ impl Machine {
             self.apply(function, "Consumer", &[value])?;
             self.refresh(receiver);
             if Self::structure(receiver) != begin {
-                return self.refuse(CHANGED_MEANWHILE);
+                return self.reject(CHANGED_MEANWHILE);
             }
         }
         Ok(Some(Value::Null))
@@ -108,7 +108,7 @@ impl Machine {
         for (key, value) in entries {
             self.apply(function, "BiConsumer", &[key, value])?;
             if Self::structure(receiver) != begin {
-                return self.refuse(CHANGED_MEANWHILE);
+                return self.reject(CHANGED_MEANWHILE);
             }
         }
         Ok(Some(Value::Null))
@@ -132,10 +132,10 @@ impl Machine {
                     self.spoil(receiver, &unknown);
                     return Ok(Err(unknown));
                 }
-                other => return self.refuse(format!("the result of a test is {}", other.kind())),
+                other => return self.reject(format!("the result of a test is {}", other.kind())),
             }
             if Self::structure(receiver) != begin {
-                return self.refuse(CHANGED_MEANWHILE);
+                return self.reject(CHANGED_MEANWHILE);
             }
         }
         Ok(Ok(kept))
@@ -149,7 +149,7 @@ impl Machine {
             let value = list.borrow().get(place).cloned().unwrap_or(Value::Null);
             let value = self.apply(function, "UnaryOperator", &[value])?;
             if Self::structure(&receiver) != begin {
-                return self.refuse(CHANGED_MEANWHILE);
+                return self.reject(CHANGED_MEANWHILE);
             }
             let place = Value::Int(i32::try_from(place).unwrap_or(i32::MAX));
             self.call_library(&receiver, "set", &[place, value])?;
@@ -206,7 +206,7 @@ impl Machine {
             _ => return Ok(None),
         };
         if Self::structure(receiver) != begin {
-            return self.refuse(CHANGED_MEANWHILE);
+            return self.reject(CHANGED_MEANWHILE);
         }
         match &new {
             // The value may be null, which would remove the entry.
@@ -259,7 +259,7 @@ impl Machine {
             "long" => "IntToLongFunction",
             "double" => "IntToDoubleFunction",
             _ if is_primitive(&array.element) => {
-                return self.refuse("an array of this type cannot be set by a function");
+                return self.reject("an array of this type cannot be set by a function");
             }
             _ => "IntFunction",
         };
@@ -268,8 +268,8 @@ impl Machine {
             let index = Value::Int(i32::try_from(place).unwrap_or(i32::MAX));
             let value = self.apply(function, interface, &[index])?;
             let value = self.for_variable(value, &array.element)?;
-            if let Some(own) = array.values.borrow_mut().get_mut(place) {
-                *own = value;
+            if let Some(element) = array.values.borrow_mut().get_mut(place) {
+                *element = value;
             }
         }
         self.java.changes += 1;

@@ -17,20 +17,20 @@ impl Machine {
         match view {
             None => {}
             Some(View::Array(array)) => list.renew(array.values.borrow().clone()),
-            Some(View::Whole(of)) => {
-                self.refresh(&Value::List(Rc::clone(&of)));
-                match of.unknown() {
+            Some(View::Whole(source)) => {
+                self.refresh(&Value::List(Rc::clone(&source)));
+                match source.unknown() {
                     Some(unknown) => list.spoil(&unknown),
-                    None => list.renew(of.borrow().clone()),
+                    None => list.renew(source.borrow().clone()),
                 }
-                list.structure.set(of.structure.get());
+                list.structure.set(source.structure.get());
             }
-            Some(View::Part { of, begin, length, whole }) => {
-                self.refresh(&Value::List(Rc::clone(&of)));
-                let part = of.borrow().get(begin..begin + length).map(<[Value]>::to_vec);
-                match (of.unknown(), part) {
+            Some(View::Part { list: source, begin, length, whole }) => {
+                self.refresh(&Value::List(Rc::clone(&source)));
+                let part = source.borrow().get(begin..begin + length).map(<[Value]>::to_vec);
+                match (source.unknown(), part) {
                     (Some(unknown), _) => list.spoil(&unknown),
-                    (None, Some(part)) if of.borrow().len() == whole => list.renew(part),
+                    (None, Some(part)) if source.borrow().len() == whole => list.renew(part),
                     _ => {
                         let unknown = self.unknown("a part of a list that was changed since");
                         if let Value::Unknown(unknown) = unknown {
@@ -57,17 +57,17 @@ impl Machine {
                 }
                 array.values.borrow_mut().clone_from(&list.borrow());
             }
-            Some(View::Part { of, begin, length, whole }) => {
+            Some(View::Part { list: source, begin, length, whole }) => {
                 let values = list.borrow().clone();
                 let now = values.len();
                 if now != length {
-                    of.count_change();
+                    source.count_change();
                 }
-                of.borrow_mut().splice(begin..begin + length, values);
+                source.borrow_mut().splice(begin..begin + length, values);
                 let whole = whole + now - length;
                 *list.view.borrow_mut() =
-                    Some(View::Part { of: Rc::clone(&of), begin, length: now, whole });
-                self.write_back(&of)?;
+                    Some(View::Part { list: Rc::clone(&source), begin, length: now, whole });
+                self.write_back(&source)?;
             }
             Some(View::Map(..)) => {
                 let unknown = self.unknown("a map that was changed by its keys or values");
@@ -108,12 +108,12 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
         if list.borrow().len() > MAX_ELEMENTS {
-            return self.refuse("a list has more than a million elements");
+            return self.reject("a list has more than a million elements");
         }
         if let Some(value) = self.read_list(list, name, arguments)? {
             return Ok(Some(value));
         }
-        if CHANGING.iter().any(|own| name.starts_with(own)) {
+        if CHANGING.iter().any(|prefix| name.starts_with(prefix)) {
             self.check_changeable(list)?;
         }
         let Some((value, is_changed)) = self.change_list(list, name, arguments)? else {
@@ -167,7 +167,7 @@ impl Machine {
             ("getKey", []) if length == 2 => list.borrow()[0].clone(),
             ("getValue", []) if length == 2 => list.borrow()[1].clone(),
             ("setValue", [_]) => {
-                return self.refuse("`setValue` of a map's entry is not evaluated: use `put`");
+                return self.reject("`setValue` of a map's entry is not evaluated: use `put`");
             }
             ("contains", [value]) => match self.place_of(&values(), value)? {
                 Ok(place) => Value::Boolean(place.is_some()),
@@ -191,7 +191,7 @@ impl Machine {
             ("lastIndexOf", [value]) => {
                 let reversed: Vec<_> = values().into_iter().rev().collect();
                 match self.place_of(&reversed, value)? {
-                    Ok(place) => place.map_or(Value::Int(-1), |own| count(length - 1 - own)),
+                    Ok(place) => place.map_or(Value::Int(-1), |index| count(length - 1 - index)),
                     Err(unknown) => Value::Unknown(unknown),
                 }
             }
@@ -210,8 +210,8 @@ impl Machine {
                 let Some(values) = part else {
                     return self.throw("IndexOutOfBoundsException", "of a list's part");
                 };
-                let (of, length, whole) = (Rc::clone(list), end - begin, length);
-                List::view(View::Part { of, begin, length, whole }, values)
+                let (source, length, whole) = (Rc::clone(list), end - begin, length);
+                List::view(View::Part { list: source, begin, length, whole }, values)
             }
             _ => return Ok(None),
         }))
@@ -410,8 +410,8 @@ impl Machine {
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
         let (list, next, last, known) = {
-            let own = iteration.borrow();
-            (Rc::clone(&own.list), own.next, own.last, own.structure)
+            let iteration = iteration.borrow();
+            (Rc::clone(&iteration.list), iteration.next, iteration.last, iteration.structure)
         };
         // The same number of keys means the same keys, because any other change ends an iteration.
         let is_current = match &*list.view.borrow() {
@@ -426,20 +426,20 @@ impl Machine {
         let length = list.borrow().len();
         let count = |number: usize| Value::Int(i32::try_from(number).unwrap_or(i32::MAX));
         let to = |next: usize, last: Option<usize>| {
-            let mut own = iteration.borrow_mut();
-            (own.next, own.last) = (next, last);
+            let mut iteration = iteration.borrow_mut();
+            (iteration.next, iteration.last) = (next, last);
         };
         Ok(Some(match (name, arguments) {
             ("hasNext" | "hasMoreElements", []) => Value::Boolean(next < length),
             ("hasPrevious", []) => Value::Boolean(next > 0),
             ("nextIndex", []) => count(next),
             ("next" | "nextElement" | "previous", []) if list.structure.get() != known => {
-                return self.refuse(CHANGED_MEANWHILE);
+                return self.reject(CHANGED_MEANWHILE);
             }
             ("next" | "nextElement", []) => {
                 self.java.changes += 1;
-                let found = list.borrow().get(next).cloned();
-                let Some(value) = found else {
+                let element = list.borrow().get(next).cloned();
+                let Some(value) = element else {
                     return self.throw("NoSuchElementException", "an iterator is at its end");
                 };
                 to(next + 1, Some(next));
@@ -447,8 +447,9 @@ impl Machine {
             }
             ("previous", []) => {
                 self.java.changes += 1;
-                let found = next.checked_sub(1).and_then(|own| list.borrow().get(own).cloned());
-                let Some(value) = found else {
+                let element =
+                    next.checked_sub(1).and_then(|index| list.borrow().get(index).cloned());
+                let Some(value) = element else {
                     return self.throw("NoSuchElementException", "an iterator is at its beginning");
                 };
                 to(next - 1, Some(next - 1));
@@ -459,7 +460,7 @@ impl Machine {
                 return Ok(None);
             }
             ("remove" | "set", _) => {
-                let Some(place) = last.filter(|own| *own < length) else {
+                let Some(place) = last.filter(|index| *index < length) else {
                     return self.throw("IllegalStateException", "an iterator has no element");
                 };
                 self.java.changes += 1;

@@ -87,8 +87,8 @@ impl Machine {
             },
             ("first" | "last", []) => match Self::iterated(receiver) {
                 Some(keys) => {
-                    let found = if name == "first" { keys.first() } else { keys.last() };
-                    match found {
+                    let key = if name == "first" { keys.first() } else { keys.last() };
+                    match key {
                         Some(key) => key.clone(),
                         None => return self.throw("NoSuchElementException", "a set is empty"),
                     }
@@ -116,17 +116,17 @@ impl Machine {
             ("isEmpty", []) => Value::Boolean(length == 0),
             ("put" | "putIfAbsent", [key, value]) => {
                 if length > MAX_ELEMENTS {
-                    return self.refuse("a map has more than a million entries");
+                    return self.reject("a map has more than a million entries");
                 }
                 match self.key_place(map, key)? {
                     Ok(Some(place)) => {
                         self.java.changes += 1;
                         let entries = &mut map.borrow_mut().entries;
-                        let own = &mut entries[place].1;
-                        if name == "put" || matches!(own, Value::Null) {
-                            std::mem::replace(own, value.clone())
+                        let stored = &mut entries[place].1;
+                        if name == "put" || matches!(stored, Value::Null) {
+                            std::mem::replace(stored, value.clone())
                         } else {
-                            own.clone()
+                            stored.clone()
                         }
                     }
                     Ok(None) => {
@@ -186,8 +186,8 @@ impl Machine {
             }
             ("firstKey" | "lastKey", []) => match Self::ordered_entries(map) {
                 Some(entries) => {
-                    let found = if name == "firstKey" { entries.first() } else { entries.last() };
-                    match found {
+                    let entry = if name == "firstKey" { entries.first() } else { entries.last() };
+                    match entry {
                         Some((key, _)) => key.clone(),
                         None => return self.throw("NoSuchElementException", "a map is empty"),
                     }
@@ -215,8 +215,8 @@ impl Machine {
         Value::Unknown(unknown)
     }
 
-    fn without_order(&self, what: &str) -> Value {
-        self.unknown(format!("the order of {what}, which depends on hashes or comparisons"))
+    fn without_order(&self, subject: &str) -> Value {
+        self.unknown(format!("the order of {subject}, which depends on hashes or comparisons"))
     }
 
     /// Returns the keys, values or entries of a map, in order.
@@ -230,19 +230,19 @@ impl Machine {
                 _ => Ok(Vec::new()),
             };
         };
-        let of = |(key, value): (Value, Value)| match part {
+        let part_of = |(key, value): (Value, Value)| match part {
             MapPart::Keys => key,
             MapPart::Values => value,
             MapPart::Entries => Value::list(vec![key, value]),
         };
-        Ok(entries.into_iter().map(of).collect())
+        Ok(entries.into_iter().map(part_of).collect())
     }
 
     /// Removes the entry at this position in the map's order.
     pub(crate) fn remove_entry(map: &Rc<RefCell<Map>>, place: usize) {
         let key = Self::ordered_entries(map).and_then(|entries| entries.into_iter().nth(place));
         if let Some((key, _)) = key {
-            map.borrow_mut().entries.retain(|(own, _)| !own.is_equal(&key));
+            map.borrow_mut().entries.retain(|(entry_key, _)| !entry_key.is_equal(&key));
         }
     }
 
@@ -262,8 +262,12 @@ impl Machine {
             )
         };
         // These keys are compared without project methods.
-        if is_plain(key) && map.borrow().entries.iter().all(|(own, _)| is_plain(own)) {
-            return Ok(Ok(map.borrow().entries.iter().position(|(own, _)| own.is_equal(key))));
+        if is_plain(key) && map.borrow().entries.iter().all(|(entry_key, _)| is_plain(entry_key)) {
+            return Ok(Ok(map
+                .borrow()
+                .entries
+                .iter()
+                .position(|(entry_key, _)| entry_key.is_equal(key))));
         }
         let keys: Vec<_> = map.borrow().entries.iter().map(|(key, _)| key.clone()).collect();
         self.place_of(&keys, key)

@@ -35,7 +35,8 @@ impl Machine {
                     Some(_) => (b, a),
                 };
                 let value = Value::Double(if name == "max" { above } else { below });
-                let is_double = arguments.iter().any(|own| matches!(own, Value::Double(_)));
+                let is_double =
+                    arguments.iter().any(|argument| matches!(argument, Value::Double(_)));
                 let wanted = primitive(if is_double { "double" } else { "float" });
                 return Ok(Some(value.cast_to(&wanted)));
             }
@@ -106,7 +107,7 @@ impl Machine {
             [Value::Long(value)] => Value::Long(value.wrapping_abs()),
             [Value::Float(value)] => Value::Float(value.abs()),
             [value] => Value::Double(value.number().unwrap_or_default().abs()),
-            _ => return self.refuse("`Math.abs` has one argument"),
+            _ => return self.reject("`Math.abs` has one argument"),
         })
     }
 
@@ -153,14 +154,14 @@ impl Machine {
             ("max" | "min" | "signum", _) if matches!(class, "Integer" | "Long") => {
                 let value = self.math(name, arguments)?;
                 return Ok(value
-                    .map(|own| own.cast_to(&primitive("int")))
+                    .map(|rounded| rounded.cast_to(&primitive("int")))
                     .filter(|_| class == "Integer"));
             }
             ("max" | "min", [Value::Double(_), Value::Double(_)]) if class == "Double" => {
                 return self.math(name, arguments);
             }
             ("sum", [a, b]) => {
-                let [a, b] = [a, b].map(|own| own.clone().cast_to(&primitive(unboxed)));
+                let [a, b] = [a, b].map(|operand| operand.clone().cast_to(&primitive(unboxed)));
                 self.binary(crate::syntax::BinaryOperator::Add, &a, &b)?
             }
             ("toUpperCase", [Value::Char(code @ 0..128)]) => {

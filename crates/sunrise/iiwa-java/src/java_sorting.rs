@@ -80,7 +80,7 @@ impl Machine {
         Ok(match order {
             Value::Int(order) => Ok(order.cmp(&0)),
             Value::Unknown(unknown) => Err(unknown),
-            other => return self.refuse(format!("the result of a comparison is {}", other.kind())),
+            other => return self.reject(format!("the result of a comparison is {}", other.kind())),
         })
     }
 
@@ -90,7 +90,7 @@ impl Machine {
         values: Vec<Value>,
         comparator: Option<&Value>,
     ) -> Result<Known<Vec<Value>>, Stop> {
-        let comparator = comparator.filter(|own| !matches!(own, Value::Null));
+        let comparator = comparator.filter(|comparator| !matches!(comparator, Value::Null));
         let effects = match comparator {
             Some(comparator) => self.effects_of_function(comparator, "compare"),
             None if matches!(values.first(), Some(Value::Object(_))) => {
@@ -100,7 +100,7 @@ impl Machine {
         };
         if effects.acts() && values.len() > 1 {
             let acts = self.host.acts();
-            return self.refuse(format!("the order of comparisons, in which {acts}, is not known"));
+            return self.reject(format!("the order of comparisons, in which {acts}, is not known"));
         }
         let sorted = self.merge_sorted(values, comparator)?;
         if let Value::Unknown(unknown) = self.unknown("the number and order of comparisons") {
@@ -213,7 +213,7 @@ impl Machine {
         Ok(match result {
             Value::Boolean(is_equal) => Ok(is_equal),
             Value::Unknown(unknown) => Err(unknown),
-            other => return self.refuse(format!("the result of `equals` is {}", other.kind())),
+            other => return self.reject(format!("the result of `equals` is {}", other.kind())),
         })
     }
 
@@ -225,11 +225,11 @@ impl Machine {
         if a.is_same(b) || first.class != second.class || class.kind != ClassKind::Record {
             return Ok(Ok(a.is_same(b)));
         }
-        let components = fields(&class.members).filter(|own| !own.is_static);
-        for key in components.map(|own| (first.class, own.name.clone())) {
-            let [own, other] = [first, second]
-                .map(|of| of.fields.borrow().get(&key).cloned().unwrap_or(Value::Null));
-            match self.are_equal(&own, &other)? {
+        let components = fields(&class.members).filter(|field| !field.is_static);
+        for key in components.map(|component| (first.class, component.name.clone())) {
+            let [component, other] = [first, second]
+                .map(|record| record.fields.borrow().get(&key).cloned().unwrap_or(Value::Null));
+            match self.are_equal(&component, &other)? {
                 Ok(true) => {}
                 other => return Ok(other),
             }

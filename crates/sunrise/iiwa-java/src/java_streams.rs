@@ -63,16 +63,16 @@ impl Machine {
                 let end = i64::from(*end) + i64::from(name == "rangeClosed");
                 let length = usize::try_from(end - i64::from(*begin)).unwrap_or(0);
                 if length > MAX_ELEMENTS {
-                    return self.refuse("a stream has more than a million elements");
+                    return self.reject("a stream has more than a million elements");
                 }
                 (i64::from(*begin)..end)
-                    .filter_map(|own| i32::try_from(own).ok())
+                    .filter_map(|value| i32::try_from(value).ok())
                     .map(Value::Int)
                     .collect()
             }
             _ => return Ok(None),
         };
-        let values = values.into_iter().map(|own| kind.converted(own)).collect();
+        let values = values.into_iter().map(|value| kind.converted(value)).collect();
         Ok(Some(Self::stream_of(kind, Value::list(values))))
     }
 
@@ -95,7 +95,7 @@ impl Machine {
         // Since Java 9, `count` runs no functions if the number of elements is known without them.
         let is_count_known = name == "count"
             && stream.stages.iter().all(Stage::keeps_count)
-            && stream.stages.iter().any(|own| own.function().is_some());
+            && stream.stages.iter().any(|stage| stage.function().is_some());
         let result = if is_count_known { None } else { self.ended(stream, name, arguments)? };
         let result = result.unwrap_or_else(|| self.unmodelled_result(name, " of a stream"));
         if result.unknown().is_some() {
@@ -125,7 +125,7 @@ impl Machine {
             let flowed = sink(machine, value)?;
             machine.refresh(&source);
             if Self::structure(&source) != begin {
-                return machine.refuse(CHANGED_MEANWHILE);
+                return machine.reject(CHANGED_MEANWHILE);
             }
             Ok(flowed)
         })
@@ -137,7 +137,7 @@ impl Machine {
         stages: &[Stage],
         sink: &mut Sink<'_>,
     ) -> Result<Flowed, Stop> {
-        let barrier = stages.iter().position(|own| matches!(own, Stage::Sorted(_)));
+        let barrier = stages.iter().position(|stage| matches!(stage, Stage::Sorted(_)));
         if let Some(place) = barrier
             && let Stage::Sorted(comparator) = &stages[place]
         {
@@ -156,7 +156,7 @@ impl Machine {
         }
         let mut counts = vec![0; stages.len()];
         let mut seen = vec![Vec::new(); stages.len()];
-        if stages.iter().any(|own| matches!(own, Stage::Limit(0))) {
+        if stages.iter().any(|stage| matches!(stage, Stage::Limit(0))) {
             return Ok(Ok(true));
         }
         for value in values {
@@ -169,7 +169,7 @@ impl Machine {
             let is_full = stages
                 .iter()
                 .zip(&counts)
-                .any(|(own, count)| matches!(own, Stage::Limit(limit) if count >= limit));
+                .any(|(stage, count)| matches!(stage, Stage::Limit(limit) if count >= limit));
             if is_full || !matches!(flowed, Ok(true)) {
                 return Ok(flowed);
             }
@@ -252,12 +252,12 @@ impl Machine {
                 &interface,
                 &[value],
             )? {
-                Value::Boolean(own) => {
-                    is_found |= own == ends_by;
-                    Ok(Ok(own != ends_by))
+                Value::Boolean(boolean) => {
+                    is_found |= boolean == ends_by;
+                    Ok(Ok(boolean != ends_by))
                 }
                 Value::Unknown(unknown) => Ok(Err(unknown)),
-                other => machine.refuse(format!("the result of a test is {}", other.kind())),
+                other => machine.reject(format!("the result of a test is {}", other.kind())),
             })?;
             return Ok(Some(match result {
                 Ok(_) => Value::Boolean(is_found == (name == "anyMatch")),
@@ -344,7 +344,7 @@ impl Machine {
             ("max" | "min", comparator) if comparator.len() <= 1 => {
                 match self.extreme(values, comparator.first(), name == "max", true)? {
                     Err(unknown) => Value::Unknown(unknown),
-                    Ok(found) => optional(found),
+                    Ok(extreme) => optional(extreme),
                 }
             }
             ("collect", [Value::Collector(collector)]) => {
@@ -359,7 +359,7 @@ impl Machine {
 /// Returns an intermediate operation, and the kind of the resulting stream; `None` for other
 /// methods.
 fn stage(kind: StreamKind, name: &str, arguments: &[Value]) -> Option<(StreamKind, Stage)> {
-    let is_function = |own: &Value| matches!(own, Value::Function(_) | Value::Object(_));
+    let is_function = |value: &Value| matches!(value, Value::Function(_) | Value::Object(_));
     let prefix = kind.prefix();
     let map = |to: StreamKind, function: &Value| {
         let interface = match (kind, to) {

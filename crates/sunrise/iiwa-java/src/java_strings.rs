@@ -95,7 +95,7 @@ impl Machine {
                     return self.throw("IllegalArgumentException", "a count is negative");
                 };
                 if text.len().saturating_mul(count) > MAX_LETTERS {
-                    return self.refuse("a string is too long");
+                    return self.reject("a string is too long");
                 }
                 Value::text(text.repeat(count))
             }
@@ -108,14 +108,15 @@ impl Machine {
             ("startsWith", [Value::Text(other)]) => Value::Boolean(text.starts_with(&**other)),
             ("endsWith", [Value::Text(other)]) => Value::Boolean(text.ends_with(&**other)),
             ("concat", [Value::Text(other)]) => Value::text(format!("{text}{other}")),
-            ("indexOf" | "lastIndexOf", [what]) => {
-                let what = match what {
-                    Value::Text(what) => what.to_string(),
+            ("indexOf" | "lastIndexOf", [pattern]) => {
+                let pattern = match pattern {
+                    Value::Text(pattern) => pattern.to_string(),
                     Value::Char(code) => String::from_utf16_lossy(&[*code]),
                     _ => return Ok(None),
                 };
-                let found = if name == "indexOf" { text.find(&what) } else { text.rfind(&what) };
-                found.map_or(Value::Int(-1), |bytes| count(text[..bytes].encode_utf16().count()))
+                let index =
+                    if name == "indexOf" { text.find(&pattern) } else { text.rfind(&pattern) };
+                index.map_or(Value::Int(-1), |bytes| count(text[..bytes].encode_utf16().count()))
             }
             ("charAt", [index]) => {
                 let units = units();
@@ -135,7 +136,7 @@ impl Machine {
                 }
                 let replaced = text.replace(&**from, to);
                 if replaced.len() > MAX_LETTERS {
-                    return self.refuse("a string is longer than a million letters");
+                    return self.reject("a string is longer than a million letters");
                 }
                 Value::text(replaced)
             }
@@ -227,7 +228,7 @@ impl Machine {
                     }
                 };
                 if text.len() + added.len() > MAX_LETTERS {
-                    return self.refuse("a string is longer than a million letters");
+                    return self.reject("a string is longer than a million letters");
                 }
                 self.java.changes += 1;
                 if let Ok(text) = &mut *builder.borrow_mut() {
@@ -279,7 +280,7 @@ impl Machine {
             }
         }
         if units.len() > MAX_LETTERS {
-            return self.refuse("a string is longer than a million letters");
+            return self.reject("a string is longer than a million letters");
         }
         self.java.changes += 1;
         *builder.borrow_mut() = Ok(String::from_utf16_lossy(&units));

@@ -60,8 +60,8 @@ impl Machine {
                 let view = list.view.borrow().clone();
                 match view {
                     Some(View::Array(array)) => self.spoil(&Value::Array(array), unknown),
-                    Some(View::Whole(of) | View::Part { of, .. }) => {
-                        self.spoil(&Value::List(of), unknown);
+                    Some(View::Whole(list) | View::Part { list, .. }) => {
+                        self.spoil(&Value::List(list), unknown);
                     }
                     Some(View::Map(map, _)) => self.spoil(&Value::Map(map), unknown),
                     None => {}
@@ -77,7 +77,7 @@ impl Machine {
                 map.unknown = Some(Rc::clone(unknown));
             }
             Value::Builder(text) => *text.borrow_mut() = Err(Rc::clone(unknown)),
-            Value::Cell(own) => *own.borrow_mut() = Value::Unknown(Rc::clone(unknown)),
+            Value::Cell(cell) => *cell.borrow_mut() = Value::Unknown(Rc::clone(unknown)),
             Value::Iterator(iteration) => {
                 let list = Rc::clone(&iteration.borrow().list);
                 self.spoil(&Value::List(list), unknown);
@@ -128,12 +128,13 @@ impl Machine {
 
     /// Refuses methods that would run code which is not evaluated.
     pub(crate) fn check_not_run(&self, name: &str, arguments: &[Value]) -> Result<(), Stop> {
-        let is_code = |own: &&Rc<Unknown>| {
-            own.reason.contains("lambda expression") || own.reason.contains("method reference")
+        let is_code = |unknown: &&Rc<Unknown>| {
+            unknown.reason.contains("lambda expression")
+                || unknown.reason.contains("method reference")
         };
         match arguments.iter().filter_map(Value::unknown).find(is_code) {
             Some(code) if RUNNING.contains(&name) => {
-                self.refuse_unknown(&format!("what `{name}` does"), code)
+                self.reject_unknown(&format!("what `{name}` does"), code)
             }
             _ => Ok(()),
         }
@@ -149,7 +150,7 @@ impl Machine {
         let effects = self.effects_of_function(function, "");
         if RUNNING.contains(&name) || effects.acts() {
             let acts = self.host.acts();
-            return self.refuse(format!(
+            return self.reject(format!(
                 "`{name}` may run {}, in which {}, and is not evaluated",
                 function.kind(),
                 if effects.acts() { acts } else { "values may change" },
@@ -172,9 +173,9 @@ impl Machine {
         }
         let known = self.java.classes.known(object.class);
         let (class, id) = (std::sync::Arc::clone(&known.class), object.class);
-        let is_of_library = |own: &crate::syntax::TypeName| {
-            self.java.classes.find(&own.name, id).is_none()
-                && !matches!(crate::classes::simple(&own.name), "Serializable" | "Cloneable")
+        let is_of_library = |type_name: &crate::syntax::TypeName| {
+            self.java.classes.find(&type_name.name, id).is_none()
+                && !matches!(crate::classes::simple(&type_name.name), "Serializable" | "Cloneable")
         };
         let is_anonymous = class.name.is_empty();
         if !is_anonymous && !class.implements.iter().chain(&class.extends).any(is_of_library) {
@@ -185,7 +186,7 @@ impl Machine {
             let effects = self.effects_of(body);
             if effects.acts() {
                 let acts = self.host.acts();
-                return self.refuse(format!(
+                return self.reject(format!(
                     "`{name}` may call `{}`, in which {acts}, and is not evaluated",
                     method.name
                 ));

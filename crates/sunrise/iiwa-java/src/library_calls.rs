@@ -33,7 +33,10 @@ impl Machine {
         };
         match result {
             Err(Stop::Thrown(thrown))
-                if thrown.classes.iter().any(|own| &**own == "ArrayIndexOutOfBoundsException") =>
+                if thrown
+                    .classes
+                    .iter()
+                    .any(|class| &**class == "ArrayIndexOutOfBoundsException") =>
             {
                 Err(Stop::Thrown(Rc::new(Thrown {
                     classes: vec![Rc::from(class)],
@@ -64,13 +67,17 @@ impl Machine {
                 return self.throw("NullPointerException", format!("null is no `{}`", wanted.name));
             }
             // An object is cast only to its own class, and then converted.
-            let is_object = from.is_some_and(|own| {
-                matches!(crate::classes::simple(&own.name), "Object" | "Number" | "Comparable")
+            let is_object = from.is_some_and(|type_name| {
+                matches!(
+                    crate::classes::simple(&type_name.name),
+                    "Object" | "Number" | "Comparable"
+                )
             });
-            let own = class_of_value(&value).map(|own| TypeName::new(own, 0));
-            if let (true, Some(own)) = (is_object, own)
-                && unboxed(&own) != Some(wanted.name.as_str())
-                && !(own.name == "Integer" && matches!(wanted.name.as_str(), "byte" | "short"))
+            let value_type = class_of_value(&value).map(|class| TypeName::new(class, 0));
+            if let (true, Some(value_type)) = (is_object, value_type)
+                && unboxed(&value_type) != Some(wanted.name.as_str())
+                && !(value_type.name == "Integer"
+                    && matches!(wanted.name.as_str(), "byte" | "short"))
             {
                 return self.not_of_class(&value, wanted);
             }
@@ -85,8 +92,8 @@ impl Machine {
     }
 
     pub(crate) fn is_of_project(&self, wanted: &TypeName) -> bool {
-        let within = self.java.activation().map(|own| own.class);
-        within.is_some_and(|own| self.java.classes.find(&wanted.name, own).is_some())
+        let within = self.java.activation().map(|activation| activation.class);
+        within.is_some_and(|class| self.java.classes.find(&wanted.name, class).is_some())
     }
 
     fn not_of_class<T>(&self, value: &Value, wanted: &TypeName) -> Result<T, Stop> {

@@ -40,10 +40,10 @@ impl Machine {
             .java
             .activations
             .last_mut()
-            .map_or(0, |own| std::mem::replace(&mut own.outside_loop, outside));
+            .map_or(0, |activation| std::mem::replace(&mut activation.outside_loop, outside));
         let flow = self.repeated_within(statement, label);
-        if let Some(own) = self.java.activations.last_mut() {
-            own.outside_loop = before;
+        if let Some(activation) = self.java.activations.last_mut() {
+            activation.outside_loop = before;
         }
         self.forget_locals(outside);
         flow
@@ -62,13 +62,13 @@ impl Machine {
                 Turn { condition: Some(condition), update: &[], body, is_do: true }
             }
             StatementKind::For { initial, condition, update, body } => {
-                for own in initial {
-                    self.statement(own)?;
+                for statement in initial {
+                    self.statement(statement)?;
                 }
                 // The counter outlives the iterations.
                 let count = self.local_count();
-                if let Some(own) = self.java.activations.last_mut() {
-                    own.outside_loop = count;
+                if let Some(activation) = self.java.activations.last_mut() {
+                    activation.outside_loop = count;
                 }
                 Turn { condition: condition.as_ref(), update, body, is_do: false }
             }
@@ -93,7 +93,7 @@ impl Machine {
             if !(turns == 0 && turn.is_do)
                 && let Some(condition) = turn.condition
             {
-                self.here.line = condition.line;
+                self.place.line = condition.line;
                 match self.condition(condition)? {
                     Ok(true) => {}
                     Ok(false) => return Ok(Flow::Next),
@@ -101,7 +101,7 @@ impl Machine {
                         if self.is_ended_by_input(condition, turn.body, before.1)? {
                             return Ok(Flow::Next);
                         }
-                        self.here.line = statement.line;
+                        self.place.line = statement.line;
                         return self.passed_over(std::iter::once(statement), "loop", &unknown);
                     }
                 }
@@ -117,7 +117,7 @@ impl Machine {
                 other => return Ok(other),
             }
             for update in turn.update {
-                self.here.line = update.line;
+                self.place.line = update.line;
                 self.evaluated(update)?;
             }
         }
@@ -156,13 +156,13 @@ impl Machine {
         if !is_endless {
             return Ok(());
         }
-        self.here.line = statement.line;
+        self.place.line = statement.line;
         if !moves && !is_without_exit {
             return match self.host.answers_since(before.asked) {
-                Some(answers) => self.refuse(format!("the loop waits for {answers}")),
-                None => self.refuse(
-                    "the loop never ends: nothing that its condition depends on changes in it; what a key, a thread or \
-                     an observer would change is not evaluated",
+                Some(answers) => self.reject(format!("the loop waits for {answers}")),
+                None => self.reject(
+                    "the loop never ends: nothing that its condition depends on changes in it; \
+                     what a key, a thread or an observer would change is not evaluated",
                 ),
             };
         }
@@ -172,7 +172,7 @@ impl Machine {
                 _ => format!("{turns} turns of it are planned"),
             };
             let answers = self.host.answers_since(before.asked);
-            let kept = answers.map(|own| format!(" with {own}")).unwrap_or_default();
+            let kept = answers.map(|answer| format!(" with {answer}")).unwrap_or_default();
             self.note(format!("the loop has no end{kept}: {planned}"));
         } else {
             self.note("the loop has no end, and no motion is in it");
@@ -218,7 +218,7 @@ impl Machine {
     fn turn(&mut self, body: &Statement, label: Option<&str>) -> Result<Flow, Stop> {
         Ok(match self.scoped(body)? {
             Flow::Continue(None) => Flow::Next,
-            Flow::Continue(Some(own)) if Some(own.as_str()) == label => Flow::Next,
+            Flow::Continue(Some(target)) if Some(target.as_str()) == label => Flow::Next,
             other => other,
         })
     }
@@ -232,7 +232,7 @@ impl Machine {
         label: Option<&str>,
     ) -> Result<Flow, Stop> {
         let values = self.evaluated(iterable)?;
-        self.here.line = statement.line;
+        self.place.line = statement.line;
         if let Value::Unknown(unknown) = &values {
             return self.passed_over(std::iter::once(statement), "loop", unknown);
         }
@@ -244,7 +244,7 @@ impl Machine {
             return self.passed_over(std::iter::once(statement), "loop", &unknown);
         }
         let Some(elements) = Self::iterated(&values) else {
-            return self.refuse(format!("a loop iterates over {}", values.kind()));
+            return self.reject(format!("a loop iterates over {}", values.kind()));
         };
         let begin = Self::structure(&values);
         let type_name = match type_name.name.as_str() {
@@ -265,8 +265,8 @@ impl Machine {
             }
             self.refresh(&values);
             if Self::structure(&values) != begin {
-                self.here.line = statement.line;
-                return self.refuse(CHANGED_MEANWHILE);
+                self.place.line = statement.line;
+                return self.reject(CHANGED_MEANWHILE);
             }
         }
         Ok(Flow::Next)

@@ -15,7 +15,7 @@ use crate::{
 /// Evaluator of a project's classes. It models a running JVM, and tracks its place in the sources.
 pub struct Machine {
     /// Current place in the sources.
-    pub here: Place,
+    pub place: Place,
     /// Notes for the user in order, without duplicates.
     pub notes: Vec<Note>,
     pub(crate) java: JavaState,
@@ -190,8 +190,8 @@ pub trait Host {
 impl Machine {
     /// Creates an evaluator in its initial state.
     #[must_use]
-    pub fn new(classes: Classes, host: Rc<dyn Host>, here: Place) -> Self {
-        Self { here, notes: Vec::new(), java: JavaState::new(classes), host }
+    pub fn new(classes: Classes, host: Rc<dyn Host>, place: Place) -> Self {
+        Self { place, notes: Vec::new(), java: JavaState::new(classes), host }
     }
 
     /// Runs `inner` one nesting level deeper; the depth of statements and expressions is bounded,
@@ -201,7 +201,7 @@ impl Machine {
         inner: impl FnOnce(&mut Self) -> Result<T, Stop>,
     ) -> Result<T, Stop> {
         if self.java.nesting >= MAX_NESTING {
-            return self.refuse("statements and expressions are nested too deeply");
+            return self.reject("statements and expressions are nested too deeply");
         }
         self.java.nesting += 1;
         let result = inner(self);
@@ -211,7 +211,7 @@ impl Machine {
 
     /// Adds a note for the user, unless it exists.
     pub fn note(&mut self, text: impl Into<String>) {
-        let note = Note { text: text.into(), place: self.here.clone() };
+        let note = Note { text: text.into(), place: self.place.clone() };
         if !self.notes.contains(&note) {
             self.notes.push(note);
         }
@@ -222,36 +222,36 @@ impl Machine {
     /// # Errors
     ///
     /// Always: the refusal.
-    pub fn refuse<T>(&self, reason: impl Into<String>) -> Result<T, Stop> {
-        Err(Stop::Refused(Box::new(Refusal { reason: reason.into(), place: self.here.clone() })))
+    pub fn reject<T>(&self, reason: impl Into<String>) -> Result<T, Stop> {
+        Err(Stop::Refused(Box::new(Refusal { reason: reason.into(), place: self.place.clone() })))
     }
 
-    /// Ends the evaluation because `what` (such as "the target of this motion") is unknown.
+    /// Ends the evaluation because `subject` (such as "the target of this motion") is unknown.
     ///
     /// # Errors
     ///
     /// Always: the refusal.
-    pub fn refuse_unknown<T>(&self, what: &str, unknown: &Unknown) -> Result<T, Stop> {
+    pub fn reject_unknown<T>(&self, subject: &str, unknown: &Unknown) -> Result<T, Stop> {
         let Unknown { reason, place, .. } = unknown;
-        let from = if *place == self.here { String::new() } else { format!(" ({place})") };
-        self.refuse(format!("{what} depends on {reason}{from}"))
+        let from = if *place == self.place { String::new() } else { format!(" ({place})") };
+        self.reject(format!("{subject} depends on {reason}{from}"))
     }
 
     /// Creates an unknown value with a reason at the current place.
     #[must_use]
     pub fn unknown(&self, reason: impl Into<String>) -> Value {
-        let (reason, place) = (reason.into(), self.here.clone());
+        let (reason, place) = (reason.into(), self.place.clone());
         Value::Unknown(Rc::new(Unknown { reason, place, is_unmodelled_call: false }))
     }
 
-    /// Creates the unknown result of an unmodelled method; `of` is its owner, such as ` of a list`,
-    /// or empty.
+    /// Creates the unknown result of an unmodelled method; `owner` names its owner, such as
+    /// ` of a list`, or empty.
     #[must_use]
-    pub fn unmodelled_result(&self, method: &str, of: &str) -> Value {
-        let reason = format!("the result of `{method}`{of}, which is not known");
+    pub fn unmodelled_result(&self, method: &str, owner: &str) -> Value {
+        let reason = format!("the result of `{method}`{owner}, which is not known");
         Value::Unknown(Rc::new(Unknown {
             reason,
-            place: self.here.clone(),
+            place: self.place.clone(),
             is_unmodelled_call: true,
         }))
     }
@@ -272,7 +272,7 @@ impl Machine {
             classes: vec![Rc::from(class)],
             value,
             message,
-            place: self.here.clone(),
+            place: self.place.clone(),
         })))
     }
 }

@@ -133,7 +133,7 @@ impl Machine {
         let [left, right] = [self.text_of(left)?, self.text_of(right)?];
         Ok(match (left, right) {
             (Ok(left), Ok(right)) if left.len() + right.len() > MAX_LETTERS => {
-                return self.refuse("a string is longer than a million letters");
+                return self.reject("a string is longer than a million letters");
             }
             (Ok(left), Ok(right)) => Value::text(left + &right),
             (Err(unknown), _) | (_, Err(unknown)) => Value::Unknown(unknown),
@@ -213,8 +213,8 @@ impl Machine {
         }))
     }
 
-    fn no_operation<T>(&self, what: &str, values: &[&Value]) -> Result<T, Stop> {
+    fn no_operation<T>(&self, operation: &str, values: &[&Value]) -> Result<T, Stop> {
         let kinds: Vec<_> = values.iter().map(|value| value.kind()).collect();
-        self.refuse(format!("{what} is not for {}", kinds.join(" and ")))
+        self.reject(format!("{operation} is not for {}", kinds.join(" and ")))
     }
 }

@@ -27,7 +27,7 @@ impl Choice {
     pub(crate) fn has_body(&self) -> bool {
         match self {
             Self::Method(_, method) => method.body.is_some(),
-            Self::Undecided(_, methods) => methods.iter().any(|own| own.body.is_some()),
+            Self::Undecided(_, methods) => methods.iter().any(|method| method.body.is_some()),
         }
     }
 }
@@ -63,16 +63,16 @@ impl Machine {
             let same = fitting.iter_mut().find(|(_, (_, other))| is_overridden(other, &method));
             match same {
                 // Among methods that override each other, the nearest with a body is kept.
-                Some((_, found)) => {
-                    if found.1.body.is_none() && method.body.is_some() {
-                        *found = (owner, method);
+                Some((_, cached)) => {
+                    if cached.1.body.is_none() && method.body.is_some() {
+                        *cached = (owner, method);
                     }
                 }
                 None => fitting.push((fit, (owner, method))),
             }
         }
         let unknown = arguments.iter().find_map(Value::unknown).cloned();
-        let types = self.java.argument_types.as_ref().filter(|(own, _)| own == name);
+        let types = self.java.argument_types.as_ref().filter(|(method, _)| method == name);
         if let (Some((_, types)), true) = (types, fitting.len() > 1)
             && types.len() == arguments.len()
         {
@@ -82,23 +82,24 @@ impl Machine {
             }
             let unknown = unknown.unwrap_or_else(|| {
                 let reason = format!("the types of the arguments of `{name}`, which are not known");
-                Rc::new(Unknown { reason, place: self.here.clone(), is_unmodelled_call: false })
+                Rc::new(Unknown { reason, place: self.place.clone(), is_unmodelled_call: false })
             });
             let all = all.into_iter().map(|(_, method)| method).collect();
             return Some(Choice::Undecided(unknown, all));
         }
         let best = fitting.iter().map(|(fit, _)| *fit).max()?;
-        let mut best = fitting.into_iter().filter(|(fit, _)| *fit == best).map(|(_, own)| own);
+        let mut best =
+            fitting.into_iter().filter(|(fit, _)| *fit == best).map(|(_, method)| method);
         let (owner, method) = best.next()?;
         if let Some(unknown) = unknown {
             let open = |method: &Method| {
                 let pairs = method.parameters.iter().zip(arguments);
                 let open = pairs.filter(|(_, value)| value.unknown().is_some());
-                open.map(|(own, _)| own.type_name.clone()).collect::<Vec<_>>()
+                open.map(|(parameter, _)| parameter.type_name.clone()).collect::<Vec<_>>()
             };
             let first = open(&method);
-            let others: Vec<_> = best.map(|(_, own)| own).collect();
-            if others.iter().any(|own| open(own) != first) {
+            let others: Vec<_> = best.map(|(_, method)| method).collect();
+            if others.iter().any(|method| open(method) != first) {
                 let all = std::iter::once(method).chain(others).collect();
                 return Some(Choice::Undecided(unknown, all));
             }
@@ -126,7 +127,7 @@ impl Machine {
             let effects = self.effects_of(method.body.iter().flatten());
             if effects.acts() {
                 return self
-                    .refuse_unknown(&format!("which of the methods `{name}` is called"), &unknown);
+                    .reject_unknown(&format!("which of the methods `{name}` is called"), &unknown);
             }
             self.forget_values(&effects, &unknown);
         }
@@ -148,9 +149,10 @@ impl Machine {
                     }
                 }
             }
-            let is_best = |own: &&Candidate| {
+            let is_best = |candidate: &&Candidate| {
                 applicable.iter().all(|other| {
-                    Arc::ptr_eq(&own.1, &other.1) || self.is_more_specific(own, other, phase)
+                    Arc::ptr_eq(&candidate.1, &other.1)
+                        || self.is_more_specific(candidate, other, phase)
                 })
             };
             match (&applicable[..], is_certain) {
@@ -168,8 +170,8 @@ impl Machine {
         let parameters = &method.parameters;
         let all = |arguments: &[Value]| {
             let pairs = arguments.iter().zip(parameters);
-            let fits = pairs.map(|(value, own)| {
-                let wanted = self.erased_parameter(owner, method, &own.type_name);
+            let fits = pairs.map(|(value, type_name)| {
+                let wanted = self.erased_parameter(owner, method, &type_name.type_name);
                 self.fits(owner, value, &wanted)
             });
             fits.sum::<Option<u32>>()
@@ -198,7 +200,7 @@ impl Machine {
         }
         let name = simple(&wanted.name);
         let rank = |order: &[&str]| {
-            let place = order.iter().position(|own| *own == name);
+            let place = order.iter().position(|primitive| *primitive == name);
             place.and_then(|place| u32::try_from(9 - place.min(8)).ok())
         };
         let is_primitive = matches!(
@@ -251,9 +253,9 @@ impl Machine {
             Value::Array(_) => (name == "Object").then_some(2),
             Value::Function(function) => self.fits_interface(owner, function, wanted),
             _ if is_primitive || name == "String" => None,
-            Value::Host(own) => Some(match self.java.classes.find(&wanted.name, owner) {
+            Value::Host(host) => Some(match self.java.classes.find(&wanted.name, owner) {
                 Some(_) => return None,
-                None if own.class() == name => 8,
+                None if host.class() == name => 8,
                 None => 2,
             }),
             _ => match self.java.classes.find(&wanted.name, owner) {
@@ -275,14 +277,14 @@ impl Machine {
             return None;
         }
         let class = self.java.classes.find(&wanted.name, owner);
-        let own = class.and_then(|id| self.abstract_method(id));
+        let own_method = class.and_then(|id| self.abstract_method(id));
         let foreign = match class {
             Some(id) => self.foreign_interface(id),
             None => interface(simple(&wanted.name)),
         };
-        let (parameters, is_void) = match (own, foreign) {
-            (Some((_, own)), _) => (own.parameters.len(), own.returns.name == "void"),
-            (None, Some(own)) => (own.parameters.len(), own.returns_nothing()),
+        let (parameters, is_void) = match (own_method, foreign) {
+            (Some((_, method)), _) => (method.parameters.len(), method.returns.name == "void"),
+            (None, Some(interface)) => (interface.parameters.len(), interface.returns_nothing()),
             (None, None) if class.is_some() => return None,
             // Interface of a library without source.
             (None, None) => return Some(2),
@@ -306,10 +308,13 @@ impl Machine {
         {
             return Some(false);
         }
-        for (place, own) in types.iter().enumerate() {
+        for (place, type_name) in types.iter().enumerate() {
             let wanted = parameter(method, place, phase)?;
             let wanted = self.erased_parameter(*owner, method, &wanted);
-            match own.as_ref().and_then(|own| self.widens(own, &wanted, phase != Phase::Strict)) {
+            match type_name
+                .as_ref()
+                .and_then(|type_name| self.widens(type_name, &wanted, phase != Phase::Strict))
+            {
                 Some(true) => {}
                 Some(false) => return Some(false),
                 None => is_certain = false,
@@ -318,15 +323,19 @@ impl Machine {
         is_certain.then_some(true)
     }
 
-    fn is_more_specific(&self, own: &Candidate, other: &Candidate, phase: Phase) -> bool {
-        let count = own.1.parameters.len().max(other.1.parameters.len());
-        let at = |(owner, method): &Candidate, place| {
-            let found = parameter(method, place, phase)?;
-            Some(self.erased_parameter(*owner, method, &found))
+    fn is_more_specific(&self, candidate: &Candidate, other: &Candidate, phase: Phase) -> bool {
+        let count = candidate.1.parameters.len().max(other.1.parameters.len());
+        let parameter_type = |(owner, method): &Candidate, place| {
+            let declared = parameter(method, place, phase)?;
+            Some(self.erased_parameter(*owner, method, &declared))
         };
-        (0..count).all(|place| match (at(own, place), at(other, place)) {
-            (Some(own), Some(other)) => self.widens(&own, &other, false) == Some(true),
-            _ => false,
+        (0..count).all(|place| {
+            match (parameter_type(candidate, place), parameter_type(other, place)) {
+                (Some(type_name), Some(other)) => {
+                    self.widens(&type_name, &other, false) == Some(true)
+                }
+                _ => false,
+            }
         })
     }
 }
@@ -343,21 +352,22 @@ enum Phase {
 /// each further argument.
 fn parameter(method: &Method, place: usize, phase: Phase) -> Option<TypeName> {
     let last = method.parameters.len().checked_sub(1)?;
-    let own = &method.parameters.get(place.min(last))?.type_name;
+    let type_name = &method.parameters.get(place.min(last))?.type_name;
     if phase == Phase::Variadic && method.is_variadic && place >= last {
-        return Some(own.with_dimensions(own.dimensions.checked_sub(1)?));
+        return Some(type_name.with_dimensions(type_name.dimensions.checked_sub(1)?));
     }
-    (place <= last).then(|| own.clone())
+    (place <= last).then(|| type_name.clone())
 }
 
 /// Returns true if a superclass method has the same parameters, or, without a body, type variables
 /// in their place.
-fn is_overridden(own: &Method, other: &Method) -> bool {
-    let mut pairs = own.parameters.iter().zip(&other.parameters);
-    let is_variable = |own: &TypeName| own.dimensions == 0 && is_type_variable(&own.name);
-    own.parameters.len() == other.parameters.len()
-        && pairs.all(|(own, above)| {
-            own.type_name == above.type_name
+fn is_overridden(method: &Method, other: &Method) -> bool {
+    let mut pairs = method.parameters.iter().zip(&other.parameters);
+    let is_variable =
+        |type_name: &TypeName| type_name.dimensions == 0 && is_type_variable(&type_name.name);
+    method.parameters.len() == other.parameters.len()
+        && pairs.all(|(parameter, above)| {
+            parameter.type_name == above.type_name
                 || other.body.is_none() && is_variable(&above.type_name)
         })
 }

@@ -56,9 +56,9 @@ impl Machine {
         };
         let class = std::sync::Arc::clone(&self.java.classes.known(object.class).class);
         if class.kind != ClassKind::Record {
-            return self.refuse(format!("a pattern has the parts of {}, no record", class.name));
+            return self.reject(format!("a pattern has the parts of {}, no record", class.name));
         }
-        let components = fields(&class.members).filter(|own| !own.is_static);
+        let components = fields(&class.members).filter(|field| !field.is_static);
         let components: Vec<_> = components.take(parts.len()).collect();
         for (component, part) in components.into_iter().zip(parts) {
             let value = self.call_on_object(object, &component.name, &[])?;
@@ -97,7 +97,8 @@ impl Machine {
                 _ => Value::Boolean(false),
             },
             Value::Object(object) => {
-                let class = self.java.activation().map_or(object.class, |own| own.class);
+                let class =
+                    self.java.activation().map_or(object.class, |activation| activation.class);
                 let is_it = match self.java.classes.find(&type_name.name, class) {
                     Some(id) => self.java.classes.is_a(object.class, id),
                     None => {
@@ -109,7 +110,9 @@ impl Machine {
                 Value::Boolean(is_it)
             }
             Value::Function(function) => match function.interface.get() {
-                Some(own) if crate::classes::simple(&own.name) == simple => Value::Boolean(true),
+                Some(interface) if crate::classes::simple(&interface.name) == simple => {
+                    Value::Boolean(true)
+                }
                 _ if simple == "Object" => Value::Boolean(true),
                 _ => self.unknown(not_known()),
             },
@@ -118,8 +121,8 @@ impl Machine {
                 self.unknown(format!("whether a number is a {simple}"))
             }
             _ if class_of_value(value).is_some() => {
-                let own = class_of_value(value).unwrap_or_default();
-                match self.widens(&TypeName::new(own, 0), type_name, false) {
+                let class = class_of_value(value).unwrap_or_default();
+                match self.widens(&TypeName::new(class, 0), type_name, false) {
                     Some(is_it) => Value::Boolean(is_it),
                     None => self.unknown(not_known()),
                 }
@@ -127,7 +130,7 @@ impl Machine {
             Value::List(_) | Value::Map(_) | Value::Builder(_) | Value::Array(_)
                 if simple == "String"
                     || simple == "Number"
-                    || boxed_names().any(|own| own == simple) =>
+                    || boxed_names().any(|boxed_name| boxed_name == simple) =>
             {
                 Value::Boolean(false)
             }
@@ -156,7 +159,12 @@ impl Machine {
         let classes = &self.java.classes;
         let mut above = classes.with_parents(id).into_iter();
         above.any(|id| {
-            classes.known(id).class.implements.iter().any(|own| simple(&own.name) == name)
+            classes
+                .known(id)
+                .class
+                .implements
+                .iter()
+                .any(|interface| simple(&interface.name) == name)
         })
     }
 

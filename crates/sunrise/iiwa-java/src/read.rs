@@ -48,16 +48,16 @@ pub fn read(file: &str, text: &str) -> Result<Unit, SourceError> {
             Err(error) => Err(no_result(&error.to_string())),
         }
     });
-    result.map_err(|Fault { at, what }| {
+    result.map_err(|Fault { offset, error }| {
         let lines = Lines::new(text);
-        let (line, column) = (lines.line(at), lines.column(at));
-        SourceError { file: file.to_owned(), line, column, fault: what }
+        let (line, column) = (lines.line(offset), lines.column(offset));
+        SourceError { file: file.to_owned(), line, column, fault: error }
     })
 }
 
 fn unit(text: &str) -> Result<Unit, Fault> {
-    if let Some(at) = text.find('\0') {
-        return Err(Fault { at, what: SourceFault::Binary });
+    if let Some(offset) = text.find('\0') {
+        return Err(Fault { offset, error: SourceFault::Binary });
     }
     let tokens = Tokens::scan(text)?;
     bounds::check_brackets(&tokens)?;
@@ -70,5 +70,5 @@ fn unit(text: &str) -> Result<Unit, Fault> {
 }
 
 fn no_result(why: &str) -> Fault {
-    Fault { at: 0, what: SourceFault::Parser(why.to_owned()) }
+    Fault { offset: 0, error: SourceFault::Parser(why.to_owned()) }
 }

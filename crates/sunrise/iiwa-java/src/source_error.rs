@@ -22,29 +22,29 @@ pub enum SourceFault {
     #[error("the file cannot be read: {0}")]
     Unreadable(String),
     /// The file is larger than any hand-written file.
-    #[error("the file has {bytes} bytes, and at most {most} are read")]
+    #[error("the file has {bytes} bytes, and at most {max_bytes} are read")]
     TooLarge {
         /// Size of the file.
         bytes: u64,
         /// Maximum size.
-        most: u64,
+        max_bytes: u64,
     },
     /// The file is not a text file.
     #[error("unexpected zero byte: the file is not Java source")]
     Binary,
     /// The file has more tokens than any hand-written file.
-    #[error("the file has more than {most} tokens, the largest number that is read")]
+    #[error("the file has more than {max_tokens} tokens, the largest number that is read")]
     TooManyTokens {
         /// Maximum number of tokens.
-        most: usize,
+        max_tokens: usize,
     },
     /// The nesting is too deep, or a chain is too long.
-    #[error("{what} here, and at most {most} are read")]
+    #[error("{excess} here, and at most {max_depth} are read")]
     TooDeep {
         /// Excess, such as "more than 200 brackets are open".
-        what: &'static str,
+        excess: &'static str,
         /// Maximum depth.
-        most: usize,
+        max_depth: usize,
     },
     /// An element is so long that parsing would take minutes.
     #[error("{0} here, and reading it would take too long")]

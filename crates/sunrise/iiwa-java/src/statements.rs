@@ -48,7 +48,7 @@ impl Machine {
     }
 
     pub(crate) fn statement(&mut self, statement: &Statement) -> Result<Flow, Stop> {
-        self.here.line = statement.line;
+        self.place.line = statement.line;
         self.count_step()?;
         self.deeper(|machine| machine.run_statement(statement))
     }
@@ -58,7 +58,7 @@ impl Machine {
         self.java.steps += 1;
         if self.java.steps > MAX_STEPS {
             return self
-                .refuse("the application takes more than 100 000 steps: a loop may have no end");
+                .reject("the application takes more than 100 000 steps: a loop may have no end");
         }
         Ok(())
     }
@@ -73,7 +73,7 @@ impl Machine {
                     let inferred = variable.initial.as_ref().filter(|_| type_name.name == "var");
                     let type_name = inferred
                         .and_then(|initial| self.static_type(initial))
-                        .filter(|own| own.name != NULL && own.name != NUMBER)
+                        .filter(|type_name| type_name.name != NULL && type_name.name != NUMBER)
                         .unwrap_or(type_name);
                     let outside = self.local_count();
                     let value = match &variable.initial {
@@ -82,7 +82,8 @@ impl Machine {
                     };
                     self.forget_locals(outside);
                     self.java.declare(&variable.name, Some(&type_name), value);
-                    if let Some(local) = self.java.locals_mut().and_then(|own| own.last_mut()) {
+                    if let Some(local) = self.java.locals_mut().and_then(|locals| locals.last_mut())
+                    {
                         local.is_assigned = variable.initial.is_some();
                     }
                 }
@@ -90,7 +91,7 @@ impl Machine {
             }
             // Local classes are resolved where their name is used.
             StatementKind::LocalClass(class) => {
-                if let Some(outer) = self.java.activation().map(|own| own.class) {
+                if let Some(outer) = self.java.activation().map(|activation| activation.class) {
                     let id = self.class_in_method(class, outer);
                     self.java.declare(&class.name, None, Value::Class(id));
                 }
@@ -102,22 +103,24 @@ impl Machine {
                 self.forget_locals(outside);
                 Ok(Flow::Next)
             }
-            StatementKind::If { condition, then, otherwise } => {
-                let line = self.here.line;
+            StatementKind::If { condition, then_branch, otherwise } => {
+                let line = self.place.line;
                 let outside = self.local_count();
                 let condition = self.condition(condition)?;
                 let flow = match condition {
-                    Ok(true) => self.scoped(then),
-                    Ok(false) => otherwise.as_ref().map_or(Ok(Flow::Next), |own| self.scoped(own)),
+                    Ok(true) => self.scoped(then_branch),
+                    Ok(false) => otherwise
+                        .as_ref()
+                        .map_or(Ok(Flow::Next), |statement| self.scoped(statement)),
                     Err(unknown) => {
-                        self.here.line = line;
-                        let branches = std::iter::once(&**then).chain(otherwise.as_deref());
+                        self.place.line = line;
+                        let branches = std::iter::once(&**then_branch).chain(otherwise.as_deref());
                         self.passed_over(branches, "branch", &unknown)
                     }
                 };
                 // A pattern variable remains in scope after a branch that cannot complete normally
                 // (JLS 6.3.2.2).
-                if otherwise.is_some() || completes(then) {
+                if otherwise.is_some() || completes(then_branch) {
                     self.forget_locals(outside);
                 }
                 flow
@@ -127,20 +130,22 @@ impl Machine {
             | StatementKind::For { .. }
             | StatementKind::ForEach { .. } => self.repeated(statement, None),
             StatementKind::Labelled { label, body } => match self.labelled(body, label)? {
-                Flow::Break(Some(own)) if own == *label => Ok(Flow::Next),
+                Flow::Break(Some(target)) if target == *label => Ok(Flow::Next),
                 other => Ok(other),
             },
             StatementKind::Switch { value, groups } => self.switch(statement, value, groups),
             StatementKind::Break(label) => Ok(Flow::Break(label.clone())),
             StatementKind::Continue(label) => Ok(Flow::Continue(label.clone())),
             StatementKind::Return(value) => {
-                let value = value.as_ref().map_or(Ok(Value::Null), |own| self.evaluated(own))?;
+                let value = value
+                    .as_ref()
+                    .map_or(Ok(Value::Null), |expression| self.evaluated(expression))?;
                 Ok(Flow::Return(value))
             }
             StatementKind::Yield(value) => Ok(Flow::Yield(self.evaluated(value)?)),
             StatementKind::Throw(value) => {
                 let value = self.evaluated(value)?;
-                self.here.line = statement.line;
+                self.place.line = statement.line;
                 self.thrown(value)
             }
             StatementKind::Try { resources, body, catches, finally } => {
@@ -150,7 +155,9 @@ impl Machine {
                 self.finally(result, finally.as_deref())
             }
             StatementKind::Assert | StatementKind::Empty => Ok(Flow::Next),
-            StatementKind::Unsupported(what) => self.refuse(format!("{what} cannot be evaluated")),
+            StatementKind::Unsupported(construct) => {
+                self.reject(format!("{construct} cannot be evaluated"))
+            }
         }
     }
 
@@ -177,7 +184,7 @@ impl Machine {
             Value::Boolean(value) => Ok(Ok(value)),
             Value::Unknown(unknown) => Ok(Err(unknown)),
             Value::Null => self.throw("NullPointerException", "a condition is null"),
-            other => self.refuse(format!("a condition is {}", other.kind())),
+            other => self.reject(format!("a condition is {}", other.kind())),
         }
     }
 
@@ -186,14 +193,14 @@ impl Machine {
     pub(crate) fn passed_over<'s>(
         &mut self,
         statements: impl IntoIterator<Item = &'s Statement>,
-        what: &str,
+        statement_kind: &str,
         unknown: &Rc<Unknown>,
     ) -> Result<Flow, Stop> {
         let acts = self.host.acts();
         let mut effects = self.effects_of(statements);
         if effects.acts() {
-            return self.refuse_unknown(
-                &format!("whether this {what}, in which {acts}, is taken"),
+            return self.reject_unknown(
+                &format!("whether this {statement_kind}, in which {acts}, is taken"),
                 unknown,
             );
         }
@@ -202,15 +209,18 @@ impl Machine {
             return Ok(Flow::Next);
         }
         // The rest of the method may or may not run, so that it must not act either.
-        let own = self.java.activation().map(|own| (own.method.clone(), own.lambda.clone()));
-        let (method, lambda) = own.unwrap_or_default();
+        let names = self
+            .java
+            .activation()
+            .map(|activation| (activation.method.clone(), activation.lambda.clone()));
+        let (method, lambda) = names.unwrap_or_default();
         effects = match &lambda {
             Some(lambda) => self.effects_of(&lambda.body),
             None => self.effects_of_method(&method),
         };
         if effects.acts() || (method.is_empty() && lambda.is_none()) {
-            return self.refuse_unknown(
-                &format!("whether this {what} leaves what is around it, where {acts},"),
+            return self.reject_unknown(
+                &format!("whether this {statement_kind} leaves what is around it, where {acts},"),
                 unknown,
             );
         }
@@ -225,7 +235,7 @@ impl Machine {
         catches: &[Catch],
     ) -> Result<Flow, Stop> {
         let depth = self.java.activations.len();
-        let file = Rc::clone(&self.here.file);
+        let file = Rc::clone(&self.place.file);
         let inner = self.local_count();
         let result = match self.statements(resources) {
             Ok(Flow::Next) => self.statements(body),
@@ -234,10 +244,10 @@ impl Machine {
         let Err(Stop::Thrown(thrown)) = result else { return result };
         // The methods between `throw` and `catch` have ended.
         self.java.activations.truncate(depth);
-        self.here.file = file;
+        self.place.file = file;
         self.forget_locals(inner);
         for catch in catches {
-            if catch.types.iter().any(|own| self.catches(&own.name, &thrown)) {
+            if catch.types.iter().any(|type_name| self.catches(&type_name.name, &thrown)) {
                 self.java.declare(&catch.name, None, value_of(&thrown));
                 return self.statements(&catch.body);
             }
@@ -262,11 +272,11 @@ impl Machine {
     }
 
     fn thrown<T>(&mut self, value: Value) -> Result<T, Stop> {
-        let place = self.here.clone();
+        let place = self.place.clone();
         let thrown = match value {
             Value::Exception(thrown) => thrown,
             Value::Unknown(unknown) => {
-                return self.refuse_unknown("the exception that is thrown here", &unknown);
+                return self.reject_unknown("the exception that is thrown here", &unknown);
             }
             Value::Object(object) => {
                 let classes = &self.java.classes;
@@ -284,7 +294,7 @@ impl Machine {
                 })
             }
             Value::Null => return self.throw("NullPointerException", "what is thrown is null"),
-            other => return self.refuse(format!("{} is thrown", other.kind())),
+            other => return self.reject(format!("{} is thrown", other.kind())),
         };
         Err(Stop::Thrown(thrown))
     }
@@ -310,14 +320,17 @@ impl Machine {
             "ClassNotFoundException",
         ];
         let class = thrown.classes.first().map_or("Exception", |class| class);
-        let own = match &thrown.value {
+        let thrown_class = match &thrown.value {
             Value::Object(object) => Some(object.class),
             _ => None,
         };
         let simple = crate::classes::simple(name);
-        let known = self.java.activation().and_then(|own| self.java.classes.find(name, own.class));
-        if let (Some(own), Some(known)) = (own, known) {
-            return self.java.classes.is_a(own, known);
+        let known = self
+            .java
+            .activation()
+            .and_then(|activation| self.java.classes.find(name, activation.class));
+        if let (Some(thrown_class), Some(known)) = (thrown_class, known) {
+            return self.java.classes.is_a(thrown_class, known);
         }
         match simple {
             "Throwable" => true,
@@ -338,8 +351,9 @@ impl Machine {
 
     /// Returns true if a condition is constantly true.
     pub(crate) fn is_always_true(condition: Option<&Expression>) -> bool {
-        condition
-            .is_none_or(|own| matches!(own.kind, ExpressionKind::Literal(Literal::Boolean(true))))
+        condition.is_none_or(|condition| {
+            matches!(condition.kind, ExpressionKind::Literal(Literal::Boolean(true)))
+        })
     }
 }
 

@@ -41,15 +41,15 @@ impl Machine {
             ExpressionKind::Lambda(_) | ExpressionKind::Reference(_) => Some(plain(FUNCTION)),
             ExpressionKind::Literal(literal) => Some(of_literal(literal)),
             ExpressionKind::Name(name) => self.type_of_name(name),
-            ExpressionKind::Field { of, name } => {
-                if let Some(of) = self.static_type(of)
-                    && of.dimensions > 0
+            ExpressionKind::Field { object, name } => {
+                if let Some(object_type) = self.static_type(object)
+                    && object_type.dimensions > 0
                 {
                     return (name == "length").then(|| plain("int"));
                 }
-                let class = self.class_of(of)?;
+                let class = self.class_of(object)?;
                 let (owner, declared) = self.type_of_field(class, name)?;
-                self.type_of_member(Some(of), owner, &declared)
+                self.type_of_member(Some(object), owner, &declared)
             }
             ExpressionKind::Call { on, name, arguments } => {
                 self.type_of_call(on.as_deref(), name, arguments)
@@ -57,9 +57,9 @@ impl Machine {
             ExpressionKind::New { type_name, body: None, .. }
             | ExpressionKind::NewArray { type_name, .. }
             | ExpressionKind::Cast { type_name, .. } => Some(type_name.clone()),
-            ExpressionKind::Index { of, .. } => {
-                let of = self.static_type(of)?;
-                (of.dimensions > 0).then(|| of.element())
+            ExpressionKind::Index { array, .. } => {
+                let array_type = self.static_type(array)?;
+                (array_type.dimensions > 0).then(|| array_type.element())
             }
             ExpressionKind::Unary { operator: UnaryOperator::Not, .. }
             | ExpressionKind::InstanceOf { .. } => Some(plain("boolean")),
@@ -72,8 +72,8 @@ impl Machine {
             ExpressionKind::Binary { operator, left, right } => {
                 self.type_of_binary(*operator, left, right)
             }
-            ExpressionKind::Conditional { then, otherwise, .. } => {
-                self.type_of_conditional(then, otherwise)
+            ExpressionKind::Conditional { then_value, otherwise, .. } => {
+                self.type_of_conditional(then_value, otherwise)
             }
             ExpressionKind::This => {
                 let class = self.java.activation()?.class;
@@ -114,7 +114,7 @@ impl Machine {
                 }
             }
             Op::And | Op::Or | Op::Xor => {
-                let is_boolean = |own: &TypeName| unboxed(own) == Some("boolean");
+                let is_boolean = |type_name: &TypeName| unboxed(type_name) == Some("boolean");
                 if self.static_type(left).as_ref().is_some_and(is_boolean) {
                     Some(plain("boolean"))
                 } else {
@@ -127,7 +127,7 @@ impl Machine {
 
     /// Returns the promoted type of two numbers.
     fn promoted(&self, left: &Expression, right: &Expression) -> Option<TypeName> {
-        let rank = |own: &Expression| rank(unboxed(&self.static_type(own)?)?);
+        let rank = |expression: &Expression| rank(unboxed(&self.static_type(expression)?)?);
         let widest = rank(left)?.max(rank(right)?).max(3);
         WIDENING.get(widest).map(|name| plain(name))
     }
@@ -136,10 +136,10 @@ impl Machine {
     /// primitive, or unknown.
     pub(crate) fn type_of_conditional(
         &self,
-        then: &Expression,
+        then_value: &Expression,
         otherwise: &Expression,
     ) -> Option<TypeName> {
-        let (first, second) = (self.static_type(then)?, self.static_type(otherwise)?);
+        let (first, second) = (self.static_type(then_value)?, self.static_type(otherwise)?);
         if first == second {
             return Some(first);
         }
@@ -148,7 +148,7 @@ impl Machine {
             return Some(plain(a));
         }
         // A constant is narrowed to the type of the other operand, if it fits.
-        for (narrow, constant) in [(a, otherwise), (b, then)] {
+        for (narrow, constant) in [(a, otherwise), (b, then_value)] {
             if !matches!(constant.kind, ExpressionKind::Literal(Literal::Char(_)))
                 && let Some(value) = constant_of(constant)
             {
@@ -172,9 +172,9 @@ impl Machine {
     fn type_of_name(&self, name: &str) -> Option<TypeName> {
         let activation = self.java.activation()?;
         if let Some(local) = activation.locals.iter().rev().find(|local| local.name == name) {
-            return local.type_name.clone().filter(|own| own.name != "var");
+            return local.type_name.clone().filter(|type_name| type_name.name != "var");
         }
-        if activation.this.as_ref().is_some_and(|own| own.captured.contains_key(name)) {
+        if activation.this.as_ref().is_some_and(|object| object.captured.contains_key(name)) {
             return None;
         }
         let mut class = Some(activation.class);
@@ -184,7 +184,7 @@ impl Machine {
                 return if id == activation.class {
                     self.type_of_member(None, owner, &declared)
                 } else {
-                    Some(declared).filter(|own| !self.mentions_variables(owner, own))
+                    Some(declared).filter(|type_name| !self.mentions_variables(owner, type_name))
                 };
             }
             class = self.java.classes.known(id).outer;
@@ -199,7 +199,7 @@ impl Machine {
             if class.constants.iter().any(|constant| constant.name == name) {
                 return Some((id, plain(&class.name)));
             }
-            let field = fields(&class.members).find(|own| own.name == name)?;
+            let field = fields(&class.members).find(|field| field.name == name)?;
             Some((id, field.type_name.clone()))
         })
     }
@@ -212,9 +212,9 @@ impl Machine {
             ExpressionKind::Super => return self.java.classes.parent(within),
             _ => {}
         }
-        if let Some(own) = self.static_type(expression) {
-            return (own.dimensions == 0)
-                .then(|| self.java.classes.find(&own.name, within))
+        if let Some(static_type) = self.static_type(expression) {
+            return (static_type.dimensions == 0)
+                .then(|| self.java.classes.find(&static_type.name, within))
                 .flatten();
         }
         match &expression.kind {
@@ -235,17 +235,17 @@ impl Machine {
         };
         while let Some(id) = class {
             let methods = self.java.classes.methods(id, name);
-            let mut fitting = methods
-                .iter()
-                .filter(|(_, own)| own.is_variadic || own.parameters.len() == arguments.len());
+            let mut fitting = methods.iter().filter(|(_, method)| {
+                method.is_variadic || method.parameters.len() == arguments.len()
+            });
             if let Some((owner, first)) = fitting.next() {
                 let others: Vec<_> = fitting.collect();
-                if others.iter().any(|(_, own)| own.returns != first.returns) {
+                if others.iter().any(|(_, method)| method.returns != first.returns) {
                     return None;
                 }
                 let declared = self.type_by_arguments(first, arguments)?;
-                let found = self.type_of_member(on, *owner, &declared)?;
-                return (others.is_empty() || found.arguments.is_empty()).then_some(found);
+                let result = self.type_of_member(on, *owner, &declared)?;
+                return (others.is_empty() || result.arguments.is_empty()).then_some(result);
             }
             class = self.java.classes.known(id).outer.filter(|_| on.is_none());
         }
@@ -253,10 +253,10 @@ impl Machine {
             && class == "Math"
         {
             return match (name, arguments) {
-                ("abs", [own]) => self.promoted(own, own),
+                ("abs", [argument]) => self.promoted(argument, argument),
                 ("max" | "min", [a, b]) => self.promoted(a, b),
-                ("round", [own]) => {
-                    let is_float = self.static_type(own)?.name == "float";
+                ("round", [argument]) => {
+                    let is_float = self.static_type(argument)?.name == "float";
                     Some(plain(if is_float { "int" } else { "long" }))
                 }
                 ("floorMod" | "floorDiv" | "signum" | "ulp", _) => None,
@@ -267,12 +267,12 @@ impl Machine {
             return Some(plain(class));
         }
         let on = on?;
-        if let Some(of) = self.static_type(on)
-            && let Some(found) = self.type_of_library_result(&of, name, arguments.len())
+        if let Some(receiver_type) = self.static_type(on)
+            && let Some(result) = self.type_of_library_result(&receiver_type, name, arguments.len())
         {
-            return Some(found);
+            return Some(result);
         }
-        let found = plain(match name {
+        let library_type = plain(match name {
             "length" | "size" | "indexOf" | "lastIndexOf" | "ordinal" | "intValue" | "compare"
             | "compareTo" | "parseInt" | "hashCode" | "nextInt" | "nextIndex" | "previousIndex"
             | "getNumericValue" => "int",
@@ -286,27 +286,27 @@ impl Machine {
         });
         // The object may belong to the project, whose methods may return another type.
         let is_certain = self.static_type(on).is_some()
-            || self.declared_results(name).iter().all(|own| *own == found);
-        is_certain.then_some(found)
+            || self.declared_results(name).iter().all(|result| *result == library_type);
+        is_certain.then_some(library_type)
     }
 
     /// Returns the result types of all project methods of a name.
     fn declared_results(&self, name: &str) -> Vec<TypeName> {
         let methods = self.java.classes.named_methods(name).iter();
-        methods.map(|own| own.returns.clone()).collect()
+        methods.map(|method| method.returns.clone()).collect()
     }
 
     /// Returns true if the expression's type is a boxed number such as `Integer`; `None` if
     /// unknown.
     pub(crate) fn is_boxed(&self, expression: &Expression) -> Option<bool> {
-        if let Some(own) = self.static_type(expression) {
-            return Some(own.name != NUMBER && !is_primitive(&own));
+        if let Some(static_type) = self.static_type(expression) {
+            return Some(static_type.name != NUMBER && !is_primitive(&static_type));
         }
         match &expression.kind {
             ExpressionKind::Binary { .. } => Some(false),
             ExpressionKind::Field { name, .. } if name == "length" => Some(false),
-            ExpressionKind::Conditional { then, otherwise, .. } => {
-                let sides = (self.is_boxed(then)?, self.is_boxed(otherwise)?);
+            ExpressionKind::Conditional { then_value, otherwise, .. } => {
+                let sides = (self.is_boxed(then_value)?, self.is_boxed(otherwise)?);
                 // One primitive operand makes both primitive.
                 Some(sides.0 && sides.1)
             }
@@ -316,21 +316,25 @@ impl Machine {
     }
 
     fn is_boxed_result(&self, on: Option<&Expression>, name: &str) -> Option<bool> {
-        let of = on.and_then(|on| self.static_type(on));
-        if of.is_none() {
+        let receiver_type = on.and_then(|on| self.static_type(on));
+        if receiver_type.is_none() {
             let declared = self.declared_results(name);
             if let Some(first) = declared.first().map(is_primitive) {
-                return declared.iter().all(|own| is_primitive(own) == first).then_some(!first);
+                return declared
+                    .iter()
+                    .all(|type_name| is_primitive(type_name) == first)
+                    .then_some(!first);
             }
         }
-        let of = of.map(|own| simple(&own.name).to_owned()).unwrap_or_default();
+        let class_name =
+            receiver_type.map(|type_name| simple(&type_name.name).to_owned()).unwrap_or_default();
         let is_collections = matches!(&on?.kind,
             ExpressionKind::Name(class) if class == "Collections");
         match name {
-            "get" | "getOrDefault" | "elementAt" if of.starts_with("Atomic") => Some(false),
+            "get" | "getOrDefault" | "elementAt" if class_name.starts_with("Atomic") => Some(false),
             "get" | "getOrDefault" | "elementAt" => ["List", "Map", "Vector", "Stack"]
                 .iter()
-                .any(|end| of.ends_with(end))
+                .any(|end| class_name.ends_with(end))
                 .then_some(true),
             "max" | "min" => Some(is_collections),
             _ if PRIMITIVE.contains(&name) => Some(false),
@@ -342,8 +346,8 @@ impl Machine {
     /// Returns true if the static type of a collection has no indices: its `remove` takes an
     /// element.
     pub(crate) fn has_no_indices(&self, collection: &Expression) -> bool {
-        self.static_type(collection).is_some_and(|own| {
-            let name = simple(&own.name);
+        self.static_type(collection).is_some_and(|type_name| {
+            let name = simple(&type_name.name);
             matches!(name, "Collection" | "Iterable")
                 || name.ends_with("Queue")
                 || name.ends_with("Deque")
@@ -384,7 +388,7 @@ impl Machine {
                 Some(boxes && self.widens(&plain(boxed), to, false)?)
             }
             (false, true) => {
-                Some(boxes && unboxed(from).is_some_and(|own| widens_to(own, &to.name)))
+                Some(boxes && unboxed(from).is_some_and(|primitive| widens_to(primitive, &to.name)))
             }
             (false, false) => self.inherits(from, to),
         }
@@ -399,13 +403,14 @@ impl Machine {
             return Some(false);
         }
         // These classes are final.
-        if above == "String" || boxed_names().any(|own| own == above) {
+        if above == "String" || boxed_names().any(|boxed| boxed == above) {
             return Some(false);
         }
         let within = self.java.activation()?.class;
-        let [own, other] = [from, to].map(|own| self.java.classes.find(&own.name, within));
-        match (own, other) {
-            (Some(own), Some(other)) => Some(self.java.classes.is_a(own, other)),
+        let [class, other] =
+            [from, to].map(|type_name| self.java.classes.find(&type_name.name, within));
+        match (class, other) {
+            (Some(class), Some(other)) => Some(self.java.classes.is_a(class, other)),
             (None, Some(_)) => Some(false),
             _ if below == "String" || unboxed(from).is_some() => Some(match above {
                 "CharSequence" => below == "String",

@@ -32,7 +32,7 @@ impl StreamKind {
 
     /// Returns the stream kind of an array with this element type.
     pub(crate) fn of_element(element: &str) -> Option<Self> {
-        [Self::Int, Self::Long, Self::Double].into_iter().find(|own| own.element() == element)
+        [Self::Int, Self::Long, Self::Double].into_iter().find(|kind| kind.element() == element)
     }
 }
 
@@ -40,8 +40,8 @@ impl Stage {
     /// Returns the function that the stage runs.
     pub(crate) fn function(&self) -> Option<&Value> {
         match self {
-            Self::Map(of, _) | Self::Filter(of, _) | Self::Peek(of, _) => Some(of),
-            Self::Sorted(of) => of.as_ref(),
+            Self::Map(source, _) | Self::Filter(source, _) | Self::Peek(source, _) => Some(source),
+            Self::Sorted(source) => source.as_ref(),
             _ => None,
         }
     }

@@ -18,13 +18,13 @@ impl Machine {
     ) -> Result<Flow, Stop> {
         let value = self.evaluated(value)?;
         if let Value::Unknown(unknown) = &value {
-            self.here.line = statement.line;
+            self.place.line = statement.line;
             return self.passed_over(std::iter::once(statement), "switch", unknown);
         }
         let flow = match self.switched(&value, groups)? {
             Ok(flow) => flow,
             Err(unknown) => {
-                self.here.line = statement.line;
+                self.place.line = statement.line;
                 return self.passed_over(std::iter::once(statement), "switch", &unknown);
             }
         };
@@ -39,18 +39,18 @@ impl Machine {
         groups: &[SwitchGroup],
     ) -> Result<Value, Stop> {
         let value = self.evaluated(value)?;
-        self.here.line = expression.line;
+        self.place.line = expression.line;
         let unknown = match value {
             Value::Unknown(unknown) => unknown,
             value => match self.switched(&value, groups)? {
                 Ok(Flow::Yield(value)) => return Ok(value),
-                Ok(_) => return self.refuse("a switch has no value for this"),
+                Ok(_) => return self.reject("a switch has no value for this"),
                 Err(unknown) => unknown,
             },
         };
         let effects = self.effects_of_expression(expression);
         if effects.acts() {
-            return self.refuse_unknown("which group of this switch is taken", &unknown);
+            return self.reject_unknown("which group of this switch is taken", &unknown);
         }
         self.forget_values(&effects, &unknown);
         Ok(Value::Unknown(unknown))
@@ -86,8 +86,8 @@ impl Machine {
         groups: &[SwitchGroup],
     ) -> Result<Known<Option<usize>>, Stop> {
         let has_null = groups.iter().flat_map(|group| &group.labels).any(|label| {
-            matches!(label, Label::Value(own)
-                if matches!(own.kind, ExpressionKind::Literal(crate::syntax::Literal::Null)))
+            matches!(label, Label::Value(value)
+                if matches!(value.kind, ExpressionKind::Literal(crate::syntax::Literal::Null)))
         });
         if matches!(value, Value::Null) && !has_null {
             return self.throw("NullPointerException", "the value of a switch is null");
@@ -122,7 +122,7 @@ impl Machine {
         Ok(Value::Boolean(match (value, &label.kind) {
             // Labels name enum constants without their class.
             (Value::Object(object), ExpressionKind::Name(name)) if object.constant.is_some() => {
-                object.constant.as_ref().is_some_and(|(own, _)| **own == **name)
+                object.constant.as_ref().is_some_and(|(constant, _)| **constant == **name)
             }
             (Value::Host(constant), ExpressionKind::Name(name)) => {
                 self.host.text(constant) == *name

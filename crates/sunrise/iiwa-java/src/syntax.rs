@@ -171,7 +171,7 @@ pub(crate) enum StatementKind {
     Expression(Expression),
     If {
         condition: Expression,
-        then: Box<Statement>,
+        then_branch: Box<Statement>,
         otherwise: Option<Box<Statement>>,
     },
     While {
@@ -283,7 +283,7 @@ pub(crate) struct Lambda {
 #[derive(Debug)]
 pub(crate) struct Reference {
     pub(crate) line: u32,
-    pub(crate) of: ReferenceOf,
+    pub(crate) target: ReferenceTarget,
     /// Name of the method; `None` for `new`.
     pub(crate) name: Option<String>,
     /// Names in the reference, in order, without duplicates.
@@ -292,7 +292,7 @@ pub(crate) struct Reference {
 
 /// Part of a method reference before `::`.
 #[derive(Debug)]
-pub(crate) enum ReferenceOf {
+pub(crate) enum ReferenceTarget {
     /// Value, or a name that may be a class name.
     Expression(Expression),
     Type(TypeName),
@@ -318,7 +318,7 @@ pub(crate) enum ExpressionKind {
     /// Simple name of a local variable, a field or a class.
     Name(String),
     Field {
-        of: Box<Expression>,
+        object: Box<Expression>,
         name: String,
     },
     Call {
@@ -347,7 +347,7 @@ pub(crate) enum ExpressionKind {
     /// Array initialiser `{1, 2}` in an array declaration, or within another one.
     Array(Vec<Expression>),
     Index {
-        of: Box<Expression>,
+        array: Box<Expression>,
         index: Box<Expression>,
     },
     Unary {
@@ -373,7 +373,7 @@ pub(crate) enum ExpressionKind {
     },
     Conditional {
         condition: Box<Expression>,
-        then: Box<Expression>,
+        then_value: Box<Expression>,
         otherwise: Box<Expression>,
     },
     Cast {

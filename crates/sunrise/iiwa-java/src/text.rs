@@ -125,7 +125,7 @@ impl Machine {
 
     fn text_within(&mut self, value: &Value, depth: usize) -> Result<Text, Stop> {
         if depth > MAX_NESTING {
-            return self.refuse("collections are nested too deeply to be written as text");
+            return self.reject("collections are nested too deeply to be written as text");
         }
         Ok(Ok(match value {
             Value::Null => "null".to_owned(),
@@ -225,7 +225,7 @@ impl Machine {
     ) -> Result<Text, Stop> {
         let class = std::sync::Arc::clone(&self.java.classes.known(object.class).class);
         let mut parts = Vec::new();
-        for component in fields(&class.members).filter(|own| !own.is_static) {
+        for component in fields(&class.members).filter(|field| !field.is_static) {
             let key = (object.class, component.name.clone());
             let value = object.fields.borrow().get(&key).cloned().unwrap_or(Value::Null);
             match self.text_within(&value, depth + 1)? {
@@ -240,7 +240,7 @@ impl Machine {
     fn no_text(&self, reason: &str) -> Rc<Unknown> {
         Rc::new(Unknown {
             reason: reason.to_owned(),
-            place: self.here.clone(),
+            place: self.place.clone(),
             is_unmodelled_call: false,
         })
     }

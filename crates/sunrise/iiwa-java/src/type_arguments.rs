@@ -49,27 +49,28 @@ const MAPS: [&str; 9] = [
 impl Machine {
     /// Returns the element type of an iterated expression.
     pub(crate) fn type_of_element(&self, iterable: &Expression) -> Option<TypeName> {
-        let of = self.static_type(iterable)?;
-        if of.dimensions > 0 {
-            return Some(of.element());
+        let iterable_type = self.static_type(iterable)?;
+        if iterable_type.dimensions > 0 {
+            return Some(iterable_type.element());
         }
-        if !COLLECTIONS.contains(&simple(&of.name)) || self.is_of_project(&of) {
+        if !COLLECTIONS.contains(&simple(&iterable_type.name)) || self.is_of_project(&iterable_type)
+        {
             return None;
         }
-        self.erased(argument(&of, 0)?)
+        self.erased(argument(&iterable_type, 0)?)
     }
 
     /// Returns the result type of a Java library method; `None` if it is unknown.
     pub(crate) fn type_of_library_result(
         &self,
-        of: &TypeName,
+        type_name: &TypeName,
         name: &str,
         arguments: usize,
     ) -> Option<TypeName> {
-        if of.dimensions > 0 || self.is_of_project(of) {
+        if type_name.dimensions > 0 || self.is_of_project(type_name) {
             return None;
         }
-        let class = simple(&of.name);
+        let class = simple(&type_name.name);
         let generic = |name: &str, arguments: Vec<TypeName>| {
             Some(TypeName { name: name.to_owned(), dimensions: 0, arguments })
         };
@@ -82,27 +83,29 @@ impl Machine {
                     | "last" | "take" | "floor" | "ceiling" | "higher" | "lower",
                     _,
                 )
-                | ("remove", 0) => argument(of, 0),
-                ("iterator" | "listIterator", _) => generic("Iterator", vec![argument(of, 0)?]),
-                ("subList", _) => generic("List", vec![argument(of, 0)?]),
+                | ("remove", 0) => argument(type_name, 0),
+                ("iterator" | "listIterator", _) => {
+                    generic("Iterator", vec![argument(type_name, 0)?])
+                }
+                ("subList", _) => generic("List", vec![argument(type_name, 0)?]),
                 _ => None,
             };
         }
         if MAPS.contains(&class) {
-            let entry = || generic("Entry", vec![argument(of, 0)?, argument(of, 1)?]);
+            let entry = || generic("Entry", vec![argument(type_name, 0)?, argument(type_name, 1)?]);
             return match (name, arguments) {
                 (
                     "get" | "put" | "getOrDefault" | "putIfAbsent" | "computeIfAbsent"
                     | "computeIfPresent" | "compute" | "merge",
                     _,
                 )
-                | ("remove", 1) => argument(of, 1),
+                | ("remove", 1) => argument(type_name, 1),
                 (
                     "firstKey" | "lastKey" | "floorKey" | "ceilingKey" | "higherKey" | "lowerKey",
                     _,
-                ) => argument(of, 0),
-                ("keySet", _) => generic("Set", vec![argument(of, 0)?]),
-                ("values", _) => generic("Collection", vec![argument(of, 1)?]),
+                ) => argument(type_name, 0),
+                ("keySet", _) => generic("Set", vec![argument(type_name, 0)?]),
+                ("values", _) => generic("Collection", vec![argument(type_name, 1)?]),
                 ("entrySet", _) => generic("Set", vec![entry()?]),
                 ("firstEntry" | "lastEntry", _) => entry(),
                 _ => None,
@@ -112,48 +115,51 @@ impl Machine {
             ("Iterator" | "ListIterator", "next" | "previous")
             | ("Entry", "getKey")
             | ("AtomicReference" | "Optional", "get" | "getAndSet" | "orElse" | "orElseThrow") => {
-                argument(of, 0)
+                argument(type_name, 0)
             }
-            ("Entry", "getValue") => argument(of, 1),
+            ("Entry", "getValue") => argument(type_name, 1),
             ("AtomicInteger", "get") => Some(plain("int")),
             ("AtomicLong", "get") => Some(plain("long")),
             ("AtomicBoolean", "get") => Some(plain("boolean")),
             ("String", "split") => Some(TypeName::new("String", 1)),
             ("String", "toCharArray") => Some(TypeName::new("char", 1)),
             _ => {
-                let own = interface(class).filter(|own| own.method == name)?;
+                let interface = interface(class).filter(|interface| interface.method == name)?;
                 let object = [plain("Object"), plain("Object"), plain("Object")];
-                let arguments = if of.arguments.is_empty() { &object[..] } else { &of.arguments };
-                Interface::resolved(own.returns, arguments)
+                let arguments =
+                    if type_name.arguments.is_empty() { &object[..] } else { &type_name.arguments };
+                Interface::resolved(interface.returns, arguments)
             }
         }
     }
 
     /// Replaces the type variables of the running method and its classes by their bounds.
-    pub(crate) fn erased(&self, own: TypeName) -> Option<TypeName> {
-        if own.name.is_empty() {
+    pub(crate) fn erased(&self, type_name: TypeName) -> Option<TypeName> {
+        if type_name.name.is_empty() {
             return None;
         }
-        let Some(activation) = self.java.activation() else { return Some(own) };
+        let Some(activation) = self.java.activation() else { return Some(type_name) };
         let of_method = activation.type_parameters.iter();
-        if let Some(found) = of_method.clone().find(|variable| variable.name == own.name) {
-            return Some(bounded(&own, found));
+        if let Some(variable) = of_method.clone().find(|variable| variable.name == type_name.name) {
+            return Some(bounded(&type_name, variable));
         }
         let mut class = Some(activation.class);
         while let Some(id) = class {
             let known = self.java.classes.known(id);
             let variables = &known.class.type_parameters;
-            if let Some(found) = variables.iter().find(|variable| variable.name == own.name) {
-                return Some(bounded(&own, found));
+            if let Some(bound_variable) =
+                variables.iter().find(|variable| variable.name == type_name.name)
+            {
+                return Some(bounded(&type_name, bound_variable));
             }
             class = known.outer;
         }
-        Some(own)
+        Some(type_name)
     }
 
     /// Returns true if a type mentions type variables of a class.
-    pub(crate) fn mentions_variables(&self, owner: ClassId, own: &TypeName) -> bool {
-        mentions(own, &self.java.classes.known(owner).class.type_parameters)
+    pub(crate) fn mentions_variables(&self, owner: ClassId, type_name: &TypeName) -> bool {
+        mentions(type_name, &self.java.classes.known(owner).class.type_parameters)
     }
 
     /// Returns the type of a class member for the expression before its dot; `None` if it is
@@ -174,19 +180,20 @@ impl Machine {
             None if within == owner => return Some(declared.clone()),
             None => (within, Vec::new()),
             Some(on) => {
-                let of = self.static_type(on)?;
-                let class = self.java.classes.find(&of.name, within)?;
-                if of.arguments.is_empty()
+                let receiver_type = self.static_type(on)?;
+                let class = self.java.classes.find(&receiver_type.name, within)?;
+                if receiver_type.arguments.is_empty()
                     && !self.java.classes.known(class).class.type_parameters.is_empty()
                 {
                     // Members of a raw type are erased (JLS 4.8).
-                    let found = variables.iter().find(|variable| variable.name == declared.name);
-                    return Some(match found {
-                        Some(found) => bounded(declared, found),
+                    let bound_variable =
+                        variables.iter().find(|variable| variable.name == declared.name);
+                    return Some(match bound_variable {
+                        Some(bound_variable) => bounded(declared, bound_variable),
                         None => TypeName { arguments: Vec::new(), ..declared.clone() },
                     });
                 }
-                (class, of.arguments)
+                (class, receiver_type.arguments)
             }
         };
         let arguments = self.arguments_above(class, arguments, owner)?;
@@ -205,8 +212,8 @@ impl Machine {
             if class == owner {
                 return Some(arguments);
             }
-            let own = &self.java.classes.known(class).class;
-            let mut above = own.extends.iter().chain(&own.implements);
+            let declaration = &self.java.classes.known(class).class;
+            let mut above = declaration.extends.iter().chain(&declaration.implements);
             let next = above.find_map(|name| {
                 let id = self.java.classes.find(&name.name, class)?;
                 self.java.classes.is_a(id, owner).then_some((id, name))
@@ -215,8 +222,8 @@ impl Machine {
             let given = name.arguments.iter();
             arguments = given
                 .map(|given| {
-                    if mentions(given, &own.type_parameters) {
-                        substituted(given, &own.type_parameters, &arguments)
+                    if mentions(given, &declaration.type_parameters) {
+                        substituted(given, &declaration.type_parameters, &arguments)
                     } else {
                         Some(given.clone())
                     }
@@ -237,8 +244,9 @@ impl Machine {
         if !mentions(&method.returns, &method.type_parameters) {
             return Some(method.returns.clone());
         }
-        let of = method.parameters.iter().enumerate();
-        let mut places = of.filter(|(_, own)| mentions(&own.type_name, &method.type_parameters));
+        let parameters = method.parameters.iter().enumerate();
+        let mut places = parameters
+            .filter(|(_, parameter)| mentions(&parameter.type_name, &method.type_parameters));
         let (place, parameter) = places.next().filter(|_| places.next().is_none())?;
         let given = self.static_type(arguments.get(place)?)?;
         let is_last = place + 1 == method.parameters.len();
@@ -260,50 +268,50 @@ impl Machine {
         &self,
         owner: ClassId,
         method: &Method,
-        own: &TypeName,
+        type_name: &TypeName,
     ) -> TypeName {
         let of_class = &self.java.classes.known(owner).class.type_parameters;
         let mut variables = method.type_parameters.iter().chain(of_class);
-        match variables.find(|variable| variable.name == own.name) {
-            Some(found) => bounded(own, found),
-            None => own.clone(),
+        match variables.find(|variable| variable.name == type_name.name) {
+            Some(bound_variable) => bounded(type_name, bound_variable),
+            None => type_name.clone(),
         }
     }
 }
 
 /// Returns the type argument at an index; `Object` for a raw type.
-fn argument(of: &TypeName, place: usize) -> Option<TypeName> {
-    if of.arguments.is_empty() {
+fn argument(type_name: &TypeName, place: usize) -> Option<TypeName> {
+    if type_name.arguments.is_empty() {
         return Some(plain("Object"));
     }
-    of.arguments.get(place).filter(|own| !own.name.is_empty()).cloned()
+    type_name.arguments.get(place).filter(|argument| !argument.name.is_empty()).cloned()
 }
 
 /// Returns the bound of a type variable, as an array if the type is an array of the variable.
-fn bounded(own: &TypeName, variable: &TypeParameter) -> TypeName {
+fn bounded(type_name: &TypeName, variable: &TypeParameter) -> TypeName {
     let bound = variable.bound.clone().unwrap_or_else(|| plain("Object"));
-    bound.with_dimensions(bound.dimensions + own.dimensions)
+    bound.with_dimensions(bound.dimensions + type_name.dimensions)
 }
 
-fn mentions(own: &TypeName, variables: &[TypeParameter]) -> bool {
-    variables.iter().any(|variable| variable.name == own.name)
-        || own.arguments.iter().any(|argument| mentions(argument, variables))
+fn mentions(type_name: &TypeName, variables: &[TypeParameter]) -> bool {
+    variables.iter().any(|variable| variable.name == type_name.name)
+        || type_name.arguments.iter().any(|argument| mentions(argument, variables))
 }
 
 /// Substitutes type arguments for type variables.
 fn substituted(
-    own: &TypeName,
+    type_name: &TypeName,
     variables: &[TypeParameter],
     arguments: &[TypeName],
 ) -> Option<TypeName> {
     if variables.len() != arguments.len() {
         return None;
     }
-    if let Some(place) = variables.iter().position(|variable| variable.name == own.name) {
+    if let Some(place) = variables.iter().position(|variable| variable.name == type_name.name) {
         let given = &arguments[place];
         return (!given.name.is_empty())
-            .then(|| given.with_dimensions(given.dimensions + own.dimensions));
+            .then(|| given.with_dimensions(given.dimensions + type_name.dimensions));
     }
-    let parts = own.arguments.iter().map(|part| substituted(part, variables, arguments));
-    Some(TypeName { arguments: parts.collect::<Option<_>>()?, ..own.clone() })
+    let parts = type_name.arguments.iter().map(|part| substituted(part, variables, arguments));
+    Some(TypeName { arguments: parts.collect::<Option<_>>()?, ..type_name.clone() })
 }

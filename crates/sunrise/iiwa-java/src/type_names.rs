@@ -30,16 +30,16 @@ pub(crate) fn of_literal(literal: &Literal) -> TypeName {
     })
 }
 
-pub(crate) fn is_text(own: &TypeName) -> bool {
-    own.dimensions == 0 && simple(&own.name) == "String"
+pub(crate) fn is_text(type_name: &TypeName) -> bool {
+    type_name.dimensions == 0 && simple(&type_name.name) == "String"
 }
 
-pub(crate) fn is_primitive(own: &TypeName) -> bool {
-    own.dimensions == 0 && (own.name == "boolean" || rank(&own.name).is_some())
+pub(crate) fn is_primitive(type_name: &TypeName) -> bool {
+    type_name.dimensions == 0 && (type_name.name == "boolean" || rank(&type_name.name).is_some())
 }
 
 pub(crate) fn rank(name: &str) -> Option<usize> {
-    WIDENING.iter().position(|own| *own == name)
+    WIDENING.iter().position(|primitive| *primitive == name)
 }
 
 pub(crate) fn widens_to(from: &str, to: &str) -> bool {
@@ -65,14 +65,14 @@ pub(crate) fn boxed_names() -> impl Iterator<Item = &'static str> {
 }
 
 pub(crate) fn boxed(name: &str) -> Option<&'static str> {
-    BOXES.iter().find(|(_, own)| *own == name).map(|(boxed, _)| *boxed)
+    BOXES.iter().find(|(_, primitive)| *primitive == name).map(|(boxed, _)| *boxed)
 }
 
 /// Returns the primitive type of a primitive or boxed type.
-pub(crate) fn unboxed(own: &TypeName) -> Option<&'static str> {
-    let name = simple(&own.name);
-    let found = BOXES.iter().find(|(boxed, primitive)| *boxed == name || *primitive == name);
-    found.map(|(_, primitive)| *primitive).filter(|_| own.dimensions == 0)
+pub(crate) fn unboxed(type_name: &TypeName) -> Option<&'static str> {
+    let name = simple(&type_name.name);
+    let boxing = BOXES.iter().find(|(boxed, primitive)| *boxed == name || *primitive == name);
+    boxing.map(|(_, primitive)| *primitive).filter(|_| type_name.dimensions == 0)
 }
 
 /// Returns true if equal values are boxed to the same object: integers from -128 to 127, and
@@ -81,7 +81,7 @@ pub(crate) fn is_cached(value: &Value) -> bool {
     match value {
         Value::Boolean(_) => true,
         Value::Char(_) | Value::Int(_) | Value::Long(_) => {
-            value.integer().is_some_and(|own| (-128..=127).contains(&own))
+            value.integer().is_some_and(|number| (-128..=127).contains(&number))
         }
         _ => false,
     }

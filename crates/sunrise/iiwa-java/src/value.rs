@@ -109,7 +109,7 @@ pub(crate) enum View {
     /// Whole list, which the view cannot change: `Collections.unmodifiableList`.
     Whole(Rc<List>),
     /// Range of a list: `subList`.
-    Part { of: Rc<List>, begin: usize, length: usize, whole: usize },
+    Part { list: Rc<List>, begin: usize, length: usize, whole: usize },
     /// `keySet`, `values`, `entrySet`.
     Map(Rc<RefCell<Map>>, MapPart),
 }
@@ -154,7 +154,7 @@ impl List {
     pub(crate) fn is_immutable(&self) -> bool {
         match &*self.view.borrow() {
             Some(View::Whole(_)) => true,
-            Some(View::Part { of, .. }) => of.is_immutable(),
+            Some(View::Part { list, .. }) => list.is_immutable(),
             _ => self.kind == ListKind::Immutable,
         }
     }
@@ -283,7 +283,7 @@ pub(crate) enum Combined {
         interface: Rc<str>,
     },
     Not {
-        of: Value,
+        predicate: Value,
         interface: Rc<str>,
     },
     And {
@@ -495,7 +495,7 @@ impl Value {
             (Self::Optional(a), Self::Optional(b)) => Rc::ptr_eq(a, b),
             (Self::Function(a), Self::Object(object))
             | (Self::Object(object), Self::Function(a)) => {
-                object.function.as_ref().is_some_and(|own| Rc::ptr_eq(a, own))
+                object.function.as_ref().is_some_and(|function| Rc::ptr_eq(a, function))
             }
             (Self::Exception(a), Self::Exception(b)) => Rc::ptr_eq(a, b),
             (Self::Class(a), Self::Class(b)) => a == b,

@@ -33,8 +33,8 @@ impl Machine {
         if let Some(value) = self.variable(name)? {
             return Ok(value);
         }
-        let Some(class) = self.java.activation().map(|own| own.class) else {
-            return self.refuse(format!("`{name}` is not known"));
+        let Some(class) = self.java.activation().map(|activation| activation.class) else {
+            return self.reject(format!("`{name}` is not known"));
         };
         if let Some(id) = self.java.classes.find(name, class) {
             return Ok(Value::Class(id));
@@ -123,10 +123,11 @@ impl Machine {
     }
 
     /// Returns the member `name` of a value.
-    pub(crate) fn member(&mut self, of: &Value, name: &str) -> Result<Value, Stop> {
-        match of {
+    pub(crate) fn member(&mut self, receiver: &Value, name: &str) -> Result<Value, Stop> {
+        match receiver {
             Value::Object(object) => {
-                let from = self.java.activation().map_or(object.class, |own| own.class);
+                let from =
+                    self.java.activation().map_or(object.class, |activation| activation.class);
                 if let Some(value) = self.field_of(object, from, name) {
                     return Ok(value);
                 }
@@ -155,11 +156,11 @@ impl Machine {
                 let (host, value) = (Rc::clone(&self.host), Rc::clone(value));
                 host.field(self, &value, name)
             }
-            Value::Unknown(_) => Ok(of.clone()),
+            Value::Unknown(_) => Ok(receiver.clone()),
             Value::Null => {
                 self.throw("NullPointerException", format!("the field `{name}` of null is used"))
             }
-            other => self.refuse(format!("{} has no field `{name}`", other.kind())),
+            other => self.reject(format!("{} has no field `{name}`", other.kind())),
         }
     }
 
@@ -179,13 +180,13 @@ impl Machine {
             {
                 return Ok(value);
             }
-            self.refuse(format!("the class {class} has no static field `{name}`"))
+            self.reject(format!("the class {class} has no static field `{name}`"))
         }
     }
 
     /// Returns the running object of the class `id`, or its enclosing object of this class.
     pub(crate) fn this_within(&self, id: ClassId) -> Value {
-        let mut around = self.java.activation().and_then(|own| own.this.clone());
+        let mut around = self.java.activation().and_then(|activation| activation.this.clone());
         while let Some(object) = around {
             if self.java.classes.is_a(object.class, id) {
                 return Value::Object(object);
@@ -202,14 +203,18 @@ impl Machine {
     pub(crate) fn slot(&mut self, target: &Expression) -> Result<Slot, Stop> {
         match &target.kind {
             ExpressionKind::Name(name) => self.slot_of_name(name),
-            ExpressionKind::Field { of, name } => {
-                let value = self.evaluated(of)?;
-                self.here.line = target.line;
+            ExpressionKind::Field { object: receiver, name } => {
+                let value = self.evaluated(receiver)?;
+                self.place.line = target.line;
                 match value {
                     Value::Object(object) => {
-                        let within = self.java.activation().map_or(object.class, |own| own.class);
-                        let own = is_hidden(&object, name).then(|| self.class_of(of)).flatten();
-                        let from = own.unwrap_or(within);
+                        let within = self
+                            .java
+                            .activation()
+                            .map_or(object.class, |activation| activation.class);
+                        let object_class =
+                            is_hidden(&object, name).then(|| self.class_of(receiver)).flatten();
+                        let from = object_class.unwrap_or(within);
                         Ok(match self.owner_of(&object, from, name) {
                             Some(owner) => Slot::Field(object, owner, name.clone()),
                             None => self.static_slot(object.class, name)?,
@@ -223,11 +228,11 @@ impl Machine {
                     _ => Ok(Slot::Elsewhere),
                 }
             }
-            ExpressionKind::Index { of, index } => {
-                let of = self.evaluated(of)?;
+            ExpressionKind::Index { array, index } => {
+                let array = self.evaluated(array)?;
                 let index = self.evaluated(index)?;
-                self.here.line = target.line;
-                match (of, &index) {
+                self.place.line = target.line;
+                match (array, &index) {
                     (Value::Array(array), Value::Unknown(unknown)) => {
                         // Any element may be assigned.
                         let unknown = Value::Unknown(Rc::clone(unknown));
@@ -244,7 +249,7 @@ impl Machine {
                     _ => Ok(Slot::Elsewhere),
                 }
             }
-            _ => self.refuse("a value is assigned to what is not a variable"),
+            _ => self.reject("a value is assigned to what is not a variable"),
         }
     }
 
@@ -281,10 +286,10 @@ impl Machine {
 
     /// Returns the stored value.
     pub(crate) fn kept(&mut self, slot: &Slot) -> Value {
-        let found = match slot {
+        let value = match slot {
             Slot::Local(index) => {
-                let locals = self.java.activation().map(|own| &own.locals);
-                locals.and_then(|own| own.get(*index)).map(|local| local.value.clone())
+                let locals = self.java.activation().map(|activation| &activation.locals);
+                locals.and_then(|slots| slots.get(*index)).map(|local| local.value.clone())
             }
             Slot::Field(object, owner, name) => {
                 object.fields.borrow().get(&(*owner, name.clone())).cloned()
@@ -293,7 +298,7 @@ impl Machine {
             Slot::Element(array, index) => array.values.borrow().get(*index).cloned(),
             Slot::Elsewhere => None,
         };
-        found.unwrap_or_else(|| self.unknown("a field of a library without source"))
+        value.unwrap_or_else(|| self.unknown("a field of a library without source"))
     }
 
     /// Stores a value, converted to the type of the variable, and returns the stored value.
@@ -305,9 +310,10 @@ impl Machine {
         };
         let lasts = match slot {
             // A variable cannot be read before its first assignment.
-            Slot::Local(index) => self.java.activation().is_some_and(|own| {
-                let is_assigned = own.locals.get(*index).is_some_and(|local| local.is_assigned);
-                is_assigned && *index < own.outside_loop
+            Slot::Local(index) => self.java.activation().is_some_and(|activation| {
+                let is_assigned =
+                    activation.locals.get(*index).is_some_and(|local| local.is_assigned);
+                is_assigned && *index < activation.outside_loop
             }),
             Slot::Elsewhere => false,
             _ => true,
@@ -317,7 +323,9 @@ impl Machine {
         }
         match slot {
             Slot::Local(index) => {
-                if let Some(local) = self.java.locals_mut().and_then(|own| own.get_mut(*index)) {
+                if let Some(local) =
+                    self.java.locals_mut().and_then(|locals| locals.get_mut(*index))
+                {
                     local.value = value.clone();
                     local.is_assigned = true;
                 }
@@ -348,7 +356,7 @@ impl Machine {
         if matches!(value, Value::Null) && is_primitive(wanted) {
             return self.throw("NullPointerException", format!("null is no `{}`", wanted.name));
         }
-        let within = self.java.activation().map_or(ClassId(0), |own| own.class);
+        let within = self.java.activation().map_or(ClassId(0), |activation| activation.class);
         Ok(match &value {
             Value::Function(function) => self.as_interface(function, wanted, within),
             _ => value.converted_to(wanted),
@@ -366,8 +374,8 @@ impl Machine {
     pub(crate) fn type_of(&self, slot: &Slot) -> Option<TypeName> {
         let field = |owner: &ClassId, name: &str| {
             let members = &self.java.classes.known(*owner).class.members;
-            let found = fields(members).find(|field| field.name == name);
-            found.map(|field| field.type_name.clone())
+            let field = fields(members).find(|field| field.name == name);
+            field.map(|field| field.type_name.clone())
         };
         match slot {
             Slot::Local(index) => {
@@ -383,7 +391,7 @@ impl Machine {
     /// Checks an index into `length` elements.
     pub(crate) fn index(&mut self, index: &Value, length: usize) -> Result<usize, Stop> {
         let Some(index) = index.integer() else {
-            return self.refuse(format!("an index is {}", index.kind()));
+            return self.reject(format!("an index is {}", index.kind()));
         };
         match usize::try_from(index) {
             Ok(index) if index < length => Ok(index),
@@ -407,7 +415,7 @@ impl Machine {
                 | Value::Builder(_)
                 | Value::Iterator(_)
                 | Value::Cell(_) => true,
-                Value::Host(own) => own.is_mutable(),
+                Value::Host(host) => host.is_mutable(),
                 _ => false,
             };
             let changes = has_contents && effects.changes.contains(name);
@@ -418,7 +426,8 @@ impl Machine {
                 *value = Value::Unknown(Rc::clone(unknown));
             }
         };
-        for local in self.java.activations.iter_mut().flat_map(|own| &mut own.locals) {
+        for local in self.java.activations.iter_mut().flat_map(|activation| &mut activation.locals)
+        {
             forget(&local.name, &mut local.value);
         }
         for ((_, name), value) in &mut self.java.statics {
@@ -432,7 +441,7 @@ impl Machine {
         }
         for value in changed {
             match &value {
-                Value::Host(own) => own.forget(unknown),
+                Value::Host(host) => host.forget(unknown),
                 _ => self.spoil(&value, unknown),
             }
         }
@@ -442,7 +451,7 @@ impl Machine {
 /// Returns true if an object has several fields of this name.
 pub(crate) fn is_hidden(object: &Object, name: &str) -> bool {
     let fields = object.fields.borrow();
-    fields.keys().filter(|(_, own)| own == name).count() > 1
+    fields.keys().filter(|(_, field)| field == name).count() > 1
 }
 
 pub(crate) fn fields(members: &[Member]) -> impl Iterator<Item = &Field> {

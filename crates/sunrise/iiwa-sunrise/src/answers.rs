@@ -107,12 +107,12 @@ impl fmt::Display for AnswerValue {
 
 /// Error of reading an answer file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what}, at {at}")]
+#[error("{message}, at {place}")]
 pub struct AnswersError {
     /// Message.
-    pub what: String,
+    pub message: String,
     /// Place in the text.
-    pub at: Place,
+    pub place: Place,
 }
 
 #[derive(Deserialize)]
@@ -211,8 +211,8 @@ impl Answers {
     /// reports the place.
     pub fn from_toml(text: &str) -> Result<Self, AnswersError> {
         let wire: AnswersWire = toml::from_str(text).map_err(|error| AnswersError {
-            what: error.message().lines().collect::<Vec<_>>().join("; "),
-            at: Place::of_span(text, error.span().unwrap_or_default()),
+            message: error.message().lines().collect::<Vec<_>>().join("; "),
+            place: Place::of_span(text, error.span().unwrap_or_default()),
         })?;
         let numbers = |buttons| match buttons {
             ButtonsWire::One(number) => vec![number],
@@ -231,8 +231,12 @@ impl Answers {
             inputs: wire.inputs,
             data: wire.data,
             fired: fired.collect(),
-            times: wire.times.into_iter().map(|(place, SecondsWire(own))| (place, own)).collect(),
-            tools: wire.tools.into_iter().map(|(name, FrameWire(own))| (name, own)).collect(),
+            times: wire
+                .times
+                .into_iter()
+                .map(|(place, SecondsWire(seconds))| (place, seconds))
+                .collect(),
+            tools: wire.tools.into_iter().map(|(name, FrameWire(frame))| (name, frame)).collect(),
         })
     }
 }
@@ -244,7 +248,7 @@ mod tests {
     #[test]
     fn unknown_keys_are_errors_with_their_place() {
         let error = Answers::from_toml("[answers]\n\"Go?\" = 0\n\n[input]\n\"A.B\" = true\n").err();
-        let place = error.as_ref().map(|error| (error.at.line, error.at.column));
+        let place = error.as_ref().map(|error| (error.place.line, error.place.column));
         assert_eq!(place, Some((4, 2)));
         let text = error.map(|error| error.to_string()).unwrap_or_default();
         assert!(text.contains("unknown field `input`"), "{text}");
@@ -265,11 +269,11 @@ mod tests {
             ("[tools]\nPen = [1, 2]", Answers::FRAME),
         ] {
             let error = Answers::from_toml(text).err();
-            let found = error.map(|error| error.to_string()).unwrap_or_default();
-            assert!(found.contains(reason) && found.contains("line 2"), "{text}: {found}");
+            let message = error.map(|error| error.to_string()).unwrap_or_default();
+            assert!(message.contains(reason) && message.contains("line 2"), "{text}: {message}");
         }
-        let tools =
-            Answers::from_toml("[tools]\n\"Pen/Tip\" = [1, 2, 3, 90, 0, 0]").map(|own| own.tools);
+        let tools = Answers::from_toml("[tools]\n\"Pen/Tip\" = [1, 2, 3, 90, 0, 0]")
+            .map(|answers| answers.tools);
         let tip = tools.unwrap_or_default().get("Pen/Tip").copied().unwrap_or_default();
         assert_eq!(tip.xyz_mm, [1.0, 2.0, 3.0]);
         assert_eq!(tip.abc_rad, [std::f64::consts::FRAC_PI_2, 0.0, 0.0]);

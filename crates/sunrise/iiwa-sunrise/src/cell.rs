@@ -84,8 +84,8 @@ type Tcps = BTreeMap<String, (String, Pose)>;
 
 impl TcpChange {
     /// Returns the change from one pose to another; `None` if they are equal within rounding.
-    fn between(then: &Pose, now: &Pose) -> Option<Self> {
-        let by = then.inverse().then(now);
+    fn between(before: &Pose, now: &Pose) -> Option<Self> {
+        let by = before.inverse().then(now);
         let distance_mm = 1e3 * by.position_m.iter().map(|v| v * v).sum::<f64>().sqrt();
         let [r, s, t] = [0, 1, 2].map(|i| by.rotation[i][i]);
         let turn_rad = ((r + s + t - 1.0) / 2.0).clamp(-1.0, 1.0).acos();
@@ -124,7 +124,7 @@ impl ImportedCell {
     /// programs and their poses in the flange frame.
     fn add_tool(&mut self, template: &ToolTemplate, name: &str) -> Tcps {
         let mut names = Names::default();
-        let mut found = Vec::new();
+        let mut entries = Vec::new();
         let mut open: Vec<_> = template
             .frames
             .iter()
@@ -146,14 +146,14 @@ impl ImportedCell {
             for child in frame.children.iter().rev() {
                 open.push((child, path.clone(), Some(tip.clone()), pose));
             }
-            found.push((path, from, tip, written));
+            entries.push((path, from, tip, written));
         }
         let is_default = |path: &String| Some(path) == template.default_frame.as_ref();
-        let default = found.iter().position(|(path, ..)| is_default(path)).unwrap_or(0);
+        let default = entries.iter().position(|(path, ..)| is_default(path)).unwrap_or(0);
         let mut tool = Tool { load: template.load, ..Tool::default() };
         let mut imported = ImportedTool { name: name.to_owned(), tcp: None, tips: Vec::new() };
         let mut tcps = Tcps::new();
-        for (index, (path, from, tip, frame)) in found.into_iter().enumerate() {
+        for (index, (path, from, tip, frame)) in entries.into_iter().enumerate() {
             let is_tcp = index == default;
             let called = if is_tcp { name.to_owned() } else { format!("{name}/{tip}") };
             tcps.insert(from, (called, frame.pose()));
@@ -182,8 +182,8 @@ impl ImportedCell {
         let above = parent.map(|index| &self.frames[index]);
         let path = format!("{}/{}", above.map_or("", |above| &above.path), frame.name);
         let name = names.give(above.map(|above| above.name.as_str()), &frame.name, &path);
-        let own = frame.frame.pose();
-        let pose = above.map_or(own, |above| above.pose.then(&own));
+        let local_pose = frame.frame.pose();
+        let pose = above.map_or(local_pose, |above| above.pose.then(&local_pose));
         let base = above.map(|above| above.name.clone());
         let redundancy = frame.redundancy.as_ref();
         let is_base = !frame.children.is_empty();
@@ -192,9 +192,9 @@ impl ImportedCell {
             is_base,
             is_target,
             pose,
-            e1_rad: redundancy.and_then(|own| own.e1_rad),
-            status: redundancy.and_then(|own| own.status),
-            turn: redundancy.and_then(|own| own.turn),
+            e1_rad: redundancy.and_then(|redundancy| redundancy.e1_rad),
+            status: redundancy.and_then(|redundancy| redundancy.status),
+            turn: redundancy.and_then(|redundancy| redundancy.turn),
             tool: None,
             tcp_change: None,
             teaching: frame.teaching.clone(),

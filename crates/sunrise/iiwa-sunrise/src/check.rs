@@ -32,14 +32,14 @@ pub enum Verdict {
         /// Taught status.
         stated: Status,
         /// Status of the solution.
-        found: Status,
+        reached: Status,
     },
     /// The solution has another turn.
     OtherTurn {
         /// Taught turn.
         stated: Turn,
         /// Turn of the solution.
-        found: Turn,
+        reached: Turn,
     },
 }
 
@@ -50,11 +50,11 @@ impl fmt::Display for Verdict {
             Self::NotTaught => f.write_str("not taught"),
             Self::Unreachable(reason) => reason.fmt(f),
             Self::Outside(outside) => outside.fmt(f),
-            Self::OtherStatus { stated, found } => {
-                write!(f, "taught with status {stated}, the joints have {found}")
+            Self::OtherStatus { stated, reached } => {
+                write!(f, "taught with status {stated}, the joints have {reached}")
             }
-            Self::OtherTurn { stated, found } => {
-                write!(f, "taught with turn {stated}, the joints have {found}")
+            Self::OtherTurn { stated, reached } => {
+                write!(f, "taught with turn {stated}, the joints have {reached}")
             }
         }
     }
@@ -66,8 +66,8 @@ impl ImportedCell {
     #[must_use]
     pub fn taught_and_agreeing(&self, robot: &Robot) -> [usize; 2] {
         let verdicts = self.frames.iter().map(|frame| frame.check(robot).verdict);
-        let taught: Vec<_> = verdicts.filter(|own| *own != Verdict::NotTaught).collect();
-        let agreeing = taught.iter().filter(|own| **own == Verdict::Agrees).count();
+        let taught: Vec<_> = verdicts.filter(|verdict| *verdict != Verdict::NotTaught).collect();
+        let agreeing = taught.iter().filter(|verdict| **verdict == Verdict::Agrees).count();
         [taught.len(), agreeing]
     }
 }
@@ -89,14 +89,14 @@ impl ImportedFrame {
                 return FrameCheck { joints_rad: None, verdict: Verdict::Unreachable(reason) };
             }
         };
-        let found = Status::of(robot, &joints_rad);
+        let reached = Status::of(robot, &joints_rad);
         let verdict = if let Err(outside) = robot.limits().check(&joints_rad) {
             Verdict::Outside(outside)
-        } else if found != status {
-            Verdict::OtherStatus { stated: status, found }
+        } else if reached != status {
+            Verdict::OtherStatus { stated: status, reached }
         } else {
             match self.turn.filter(|turn| !turn.agrees_with(&joints_rad)) {
-                Some(stated) => Verdict::OtherTurn { stated, found: Turn::of(&joints_rad) },
+                Some(stated) => Verdict::OtherTurn { stated, reached: Turn::of(&joints_rad) },
                 None => Verdict::Agrees,
             }
         };

@@ -23,8 +23,8 @@ impl DataFile {
     /// Returns the value of process data: the operator's value, or else the default.
     #[must_use]
     pub fn setting(&self, id: &str) -> Option<&str> {
-        let own = self.process_data.iter().find(|own| own.id == id)?;
-        own.value.as_deref().or(own.default_value.as_deref())
+        let data = self.process_data.iter().find(|data| data.id == id)?;
+        data.value.as_deref().or(data.default_value.as_deref())
     }
 }
 
@@ -114,9 +114,9 @@ pub struct ProcessData {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotTaken {
     /// Kind of the entry.
-    pub what: String,
+    pub kind: String,
     /// Number of entries.
     pub count: usize,
     /// Reason for skipping.
-    pub why: String,
+    pub reason: String,
 }

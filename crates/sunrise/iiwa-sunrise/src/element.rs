@@ -12,7 +12,7 @@ use crate::error::DataFileError;
 
 /// Maximum nesting depth of elements: code that recurses into the elements needs stack for each
 /// level.
-const MOST_NESTED: usize = 100;
+const MAX_DEPTH: usize = 100;
 
 /// Element with its content.
 pub(crate) struct Element<'t> {
@@ -30,7 +30,7 @@ impl<'t> Element<'t> {
     /// Reads the outermost element of a text. Comments and processing instructions are skipped.
     pub(crate) fn read(text: &'t str) -> Result<Self, DataFileError> {
         let fail = |span: Range<usize>, problem: String| DataFileError::Xml {
-            at: Place::of_span(text, span),
+            place: Place::of_span(text, span),
             problem,
         };
         let mut reader = Reader::from_str(text);
@@ -45,8 +45,8 @@ impl<'t> Element<'t> {
             let span = start..offset(reader.buffer_position());
             let closed = match event {
                 Event::Start(tag) => {
-                    if open.len() == MOST_NESTED {
-                        let problem = format!("elements are nested more than {MOST_NESTED} deep");
+                    if open.len() == MAX_DEPTH {
+                        let problem = format!("elements are nested more than {MAX_DEPTH} deep");
                         return Err(fail(span, problem));
                     }
                     open.push(Self::of_tag(text, span.clone(), &tag)?);
@@ -89,7 +89,7 @@ impl<'t> Element<'t> {
         tag: &BytesStart<'_>,
     ) -> Result<Self, DataFileError> {
         let fail = |problem: String| DataFileError::Xml {
-            at: Place::of_span(text, span.clone()),
+            place: Place::of_span(text, span.clone()),
             problem,
         };
         let name = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
@@ -125,7 +125,7 @@ impl<'t> Element<'t> {
     }
 
     pub(crate) fn missing(&self, missing: &'static str) -> DataFileError {
-        DataFileError::Missing { at: self.place(), owner: self.name.clone(), missing }
+        DataFileError::Missing { place: self.place(), owner: self.name.clone(), missing }
     }
 
     pub(crate) fn child(&self, name: &str) -> Option<&Self> {
@@ -134,12 +134,12 @@ impl<'t> Element<'t> {
 
     /// Returns an attribute as a finite number.
     pub(crate) fn number(&self, name: &'static str) -> Result<f64, DataFileError> {
-        let found = self.required(name)?;
-        found.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+        let text = self.required(name)?;
+        text.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
             DataFileError::Number {
-                at: self.place(),
+                place: self.place(),
                 attribute: name.to_owned(),
-                found: found.chars().take(80).collect(),
+                text: text.chars().take(80).collect(),
             }
         })
     }

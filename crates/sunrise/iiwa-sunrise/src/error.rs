@@ -7,40 +7,40 @@ use iiwa_json::Place;
 #[non_exhaustive]
 pub enum DataFileError {
     /// The text is not well-formed XML.
-    #[error("this is not XML: {problem}, at {at}")]
+    #[error("this is not XML: {problem}, at {place}")]
     Xml {
         /// Place of the error.
-        at: Place,
+        place: Place,
         /// Message of the XML parser.
         problem: String,
     },
     /// The text is XML with another outermost element.
-    #[error("the outermost element is <{found}>; a data file has <RoboticsAPIData>, at {at}")]
+    #[error("the outermost element is <{root}>; a data file has <RoboticsAPIData>, at {place}")]
     NotDataFile {
         /// Place of the outermost element.
-        at: Place,
+        place: Place,
         /// Name of the outermost element.
-        found: String,
+        root: String,
     },
     /// An element or an attribute is missing.
-    #[error("<{owner}> has no {missing}, at {at}")]
+    #[error("<{owner}> has no {missing}, at {place}")]
     Missing {
         /// Place of the element.
-        at: Place,
+        place: Place,
         /// Name of the element.
         owner: String,
         /// Name of the missing child element or attribute.
         missing: &'static str,
     },
     /// An attribute is not a finite number.
-    #[error("{attribute} is {found:?}; it must be a finite number, at {at}")]
+    #[error("{attribute} is {text:?}; it must be a finite number, at {place}")]
     Number {
         /// Place of the element.
-        at: Place,
+        place: Place,
         /// Name of the attribute.
         attribute: String,
         /// Text of the attribute.
-        found: String,
+        text: String,
     },
 }
 
@@ -49,16 +49,16 @@ impl DataFileError {
     #[must_use]
     pub fn place(&self) -> &Place {
         match self {
-            Self::Xml { at, .. }
-            | Self::NotDataFile { at, .. }
-            | Self::Missing { at, .. }
-            | Self::Number { at, .. } => at,
+            Self::Xml { place, .. }
+            | Self::NotDataFile { place, .. }
+            | Self::Missing { place, .. }
+            | Self::Number { place, .. } => place,
         }
     }
 
     /// Returns the message without the place.
     #[must_use]
-    pub fn what(&self) -> String {
+    pub fn message(&self) -> String {
         self.place().cut_from(&self.to_string())
     }
 }

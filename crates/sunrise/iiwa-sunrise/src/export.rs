@@ -142,8 +142,8 @@ fn device(robot: &Robot) -> String {
 fn of_the_program(program: &Program) -> Vec<ExportNotice> {
     let workcell = &program.workcell;
     let mut notices = Vec::new();
-    let mut note = |motion: Option<MotionIndex>, key: &'static str, what: &str| {
-        notices.push(ExportNotice { motion, key, what: what.to_owned() });
+    let mut note = |motion: Option<MotionIndex>, key: &'static str, message: &str| {
+        notices.push(ExportNotice { motion, key, message: message.to_owned() });
     };
     if workcell.mode == OperatingMode::T1 {
         note(None, "mode", "the key switch of the smartPAD chooses T1");
@@ -159,13 +159,13 @@ fn of_the_program(program: &Program) -> Vec<ExportNotice> {
     }
     let stops = |motion: &Motion| match motion {
         Motion::Ptp(ptp) => ptp.blend.is_none() && !ptp.blocking,
-        Motion::Cartesian(own) => own.blend.is_none() && !own.blocking,
+        Motion::Cartesian(cartesian) => cartesian.blend.is_none() && !cartesian.blocking,
         Motion::Wait { .. } | Motion::Load(_) => false,
     };
     if program.entries().filter(|(_, motion)| stops(motion)).count() > 1 {
-        let what = "`move` waits for the end of a motion: the pause after it is longer than after one that is not \
-                    `blocking`";
-        note(None, "blocking", what);
+        let message = "`move` waits for the end of a motion: the pause after it is longer than \
+            after one that is not `blocking`";
+        note(None, "blocking", message);
     }
     if let Some(last) = program.blend_at_the_end() {
         note(Some(last), "blend", "nothing follows that it could blend into: the arm stops");

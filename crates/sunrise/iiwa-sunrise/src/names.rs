@@ -10,7 +10,7 @@ pub struct Renamed {
     /// Name in programs.
     pub to: String,
     /// Reason.
-    pub why: &'static str,
+    pub reason: &'static str,
 }
 
 /// Assigns a unique name to each entry of a list.
@@ -29,12 +29,12 @@ impl Names {
         Self { used, ..Self::default() }
     }
 
-    /// Returns the name for the entry called `own`, below `parent` if given; `from` is its path in
+    /// Returns the name for an `entry`, below `parent` if given; `from` is its path in
     /// the project.
-    pub(crate) fn give(&mut self, parent: Option<&str>, own: &str, from: &str) -> String {
-        let plain = match own {
+    pub(crate) fn give(&mut self, parent: Option<&str>, entry: &str, from: &str) -> String {
+        let plain = match entry {
             "" => "unnamed".to_owned(),
-            own => own.replace('/', "_"),
+            name => name.replace('/', "_"),
         };
         let wanted = parent.map_or_else(|| plain.clone(), |parent| format!("{parent}/{plain}"));
         let mut given = wanted.clone();
@@ -45,14 +45,14 @@ impl Names {
         }
         let why = if given != wanted {
             Some("the name is taken, or means something else in programs")
-        } else if plain != own {
+        } else if plain != entry {
             Some("a name has letters, and no `/` in it")
         } else {
             None
         };
         if let Some(why) = why {
             let (from, to) = (from.to_owned(), given.clone());
-            self.renamed.push(Renamed { from, to, why });
+            self.renamed.push(Renamed { from, to, reason: why });
         }
         self.used.insert(given.clone());
         given

@@ -10,14 +10,14 @@ use iiwa_java::{Classes, SourceError, SourceFault, Unit, decode};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::{
-    project_folder::{self, DATA_FILE, FolderFault, MOST_FILES, MOST_FOLDERS, STATION_FILE},
+    project_folder::{self, DATA_FILE, FolderFault, MAX_FILES, MAX_FOLDERS, STATION_FILE},
     robot_statement::{RobotStatement, in_java, in_station},
 };
 
 /// Maximum size of a file.
-const MOST_BYTES: u64 = 10_000_000;
+const MAX_BYTES: u64 = 10_000_000;
 /// Maximum size of all files.
-const MOST_BYTES_IN_ALL: u64 = 100_000_000;
+const MAX_BYTES_IN_TOTAL: u64 = 100_000_000;
 
 /// Java files of a Sunrise project, its data file, and its statements about its robot.
 ///
@@ -85,24 +85,24 @@ pub enum ProjectError {
         source: io::Error,
     },
     /// The folder has too many Java files.
-    #[error("the folder has more than {most} Java files: a project's own folder is expected")]
+    #[error("the folder has more than {max_files} Java files: a project's own folder is expected")]
     TooManyFiles {
         /// Maximum number of files.
-        most: usize,
+        max_files: usize,
     },
     /// The folder has too many subfolders.
-    #[error("the folder has more than {most} folders: a project's own folder is expected")]
+    #[error("the folder has more than {max_folders} folders: a project's own folder is expected")]
     TooManyFolders {
         /// Maximum number of folders.
-        most: usize,
+        max_folders: usize,
     },
     /// The Java files are too large in total.
     #[error(
-        "the Java files have more than {most} bytes in all: a project's own folder is expected"
+        "the Java files have more than {max_bytes} bytes in all: a project's own folder is expected"
     )]
     TooLarge {
         /// Maximum number of bytes.
-        most: u64,
+        max_bytes: u64,
     },
 }
 
@@ -111,7 +111,7 @@ impl Project {
     #[must_use]
     pub fn has_sources(folder: &Path) -> bool {
         match project_folder::sources(folder) {
-            Ok(found) => !found.is_empty(),
+            Ok(sources) => !sources.is_empty(),
             Err(FolderFault::Files | FolderFault::Folders) => true,
             Err(FolderFault::Unreadable(..)) => false,
         }
@@ -125,9 +125,9 @@ impl Project {
     ///
     /// If the folder cannot be read, or if it exceeds the limits of a project.
     pub fn open(folder: &Path) -> Result<Self, ProjectError> {
-        let found = project_folder::sources(folder).map_err(|fault| match fault {
-            FolderFault::Files => ProjectError::TooManyFiles { most: MOST_FILES },
-            FolderFault::Folders => ProjectError::TooManyFolders { most: MOST_FOLDERS },
+        let sources = project_folder::sources(folder).map_err(|fault| match fault {
+            FolderFault::Files => ProjectError::TooManyFiles { max_files: MAX_FILES },
+            FolderFault::Folders => ProjectError::TooManyFolders { max_folders: MAX_FOLDERS },
             FolderFault::Unreadable(path, source) => ProjectError::Folder { path, source },
         })?;
         let data = match &project_folder::nearest(folder, DATA_FILE)[..] {
@@ -149,7 +149,7 @@ impl Project {
                 reading.station = Err(StationFault { path: first.clone(), reason });
             }
         }
-        for (name, path) in found {
+        for (name, path) in sources {
             match contents(&path) {
                 Ok(bytes) => reading.add(name, &bytes)?,
                 Err(fault) => reading.texts.push((name, Err(fault))),
@@ -277,17 +277,18 @@ impl Default for Reading {
 
 impl Reading {
     fn add(&mut self, path: String, bytes: &[u8]) -> Result<(), ProjectError> {
-        if self.texts.len() >= MOST_FILES {
-            return Err(ProjectError::TooManyFiles { most: MOST_FILES });
+        if self.texts.len() >= MAX_FILES {
+            return Err(ProjectError::TooManyFiles { max_files: MAX_FILES });
         }
         let length = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
-        if length > MOST_BYTES {
-            self.texts.push((path, Err(SourceFault::TooLarge { bytes: length, most: MOST_BYTES })));
+        if length > MAX_BYTES {
+            self.texts
+                .push((path, Err(SourceFault::TooLarge { bytes: length, max_bytes: MAX_BYTES })));
             return Ok(());
         }
         self.bytes += length;
-        if self.bytes > MOST_BYTES_IN_ALL {
-            return Err(ProjectError::TooLarge { most: MOST_BYTES_IN_ALL });
+        if self.bytes > MAX_BYTES_IN_TOTAL {
+            return Err(ProjectError::TooLarge { max_bytes: MAX_BYTES_IN_TOTAL });
         }
         self.texts.push((path, Ok(decode(bytes))));
         Ok(())
@@ -316,9 +317,9 @@ fn contents(path: &Path) -> Result<Vec<u8>, SourceFault> {
         return Err(SourceFault::Unreadable("it is not an ordinary file".to_owned()));
     }
     let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if u64::try_from(bytes.len()).is_ok_and(|length| length <= MOST_BYTES) {
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if u64::try_from(bytes.len()).is_ok_and(|length| length <= MAX_BYTES) {
         return Ok(bytes);
     }
-    Err(SourceFault::TooLarge { bytes: metadata.len(), most: MOST_BYTES })
+    Err(SourceFault::TooLarge { bytes: metadata.len(), max_bytes: MAX_BYTES })
 }

@@ -7,9 +7,9 @@ use std::{
 };
 
 /// Maximum number of Java files; robot programs have a few hundred.
-pub(crate) const MOST_FILES: usize = 10_000;
+pub(crate) const MAX_FILES: usize = 10_000;
 /// Maximum number of folders; more indicate a whole disk.
-pub(crate) const MOST_FOLDERS: usize = 100_000;
+pub(crate) const MAX_FOLDERS: usize = 100_000;
 
 /// File with the frames and tools of a project.
 pub(crate) const DATA_FILE: &str = "RoboticsAPI.data.xml";
@@ -28,7 +28,7 @@ pub(crate) enum FolderFault {
 /// Finds the Java files in a folder and its subfolders, sorted by their paths relative to the
 /// folder. Build output, hidden entries, and subfolders that cannot be opened are skipped.
 pub(crate) fn sources(root: &Path) -> Result<Vec<(String, PathBuf)>, FolderFault> {
-    let mut found = Vec::new();
+    let mut files = Vec::new();
     let mut visited = BTreeSet::new();
     let mut open = vec![(String::new(), root.to_owned())];
     while let Some((name, folder)) = open.pop() {
@@ -37,7 +37,7 @@ pub(crate) fn sources(root: &Path) -> Result<Vec<(String, PathBuf)>, FolderFault
         if !is_new && !name.is_empty() {
             continue;
         }
-        if visited.len() > MOST_FOLDERS {
+        if visited.len() > MAX_FOLDERS {
             return Err(FolderFault::Folders);
         }
         let entries = match entries(&folder) {
@@ -45,30 +45,30 @@ pub(crate) fn sources(root: &Path) -> Result<Vec<(String, PathBuf)>, FolderFault
             Err(error) if name.is_empty() => return Err(FolderFault::Unreadable(folder, error)),
             Err(_) => continue,
         };
-        for (own, path) in entries {
-            let below = if name.is_empty() { own.clone() } else { format!("{name}/{own}") };
+        for (entry, path) in entries {
+            let below = if name.is_empty() { entry.clone() } else { format!("{name}/{entry}") };
             if path.is_dir() {
-                if !is_left_out(&own) {
+                if !is_left_out(&entry) {
                     open.push((below, path));
                 }
-            } else if Path::new(&own).extension().is_some_and(|end| end == "java") {
-                found.push((below, path));
-                if found.len() > MOST_FILES {
+            } else if Path::new(&entry).extension().is_some_and(|end| end == "java") {
+                files.push((below, path));
+                if files.len() > MAX_FILES {
                     return Err(FolderFault::Files);
                 }
             }
         }
     }
-    found.sort();
-    Ok(found)
+    files.sort();
+    Ok(files)
 }
 
 /// Finds the files of a project with this name, with their paths relative to its folder: the file
 /// in the folder, otherwise the files one level below, otherwise the file one level above.
 pub(crate) fn nearest(root: &Path, file: &str) -> Vec<(String, PathBuf)> {
-    let here = root.join(file);
-    if here.is_file() {
-        return vec![(file.to_owned(), here)];
+    let path = root.join(file);
+    if path.is_file() {
+        return vec![(file.to_owned(), path)];
     }
     let mut below = Vec::new();
     for (name, folder) in entries(root).unwrap_or_default() {

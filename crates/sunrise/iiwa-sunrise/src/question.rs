@@ -7,7 +7,7 @@ pub struct Question {
     pub kind: QuestionKind,
     /// Text of the dialog, `Group.Name` of the input, id of the process data, `File.java:line` of
     /// the condition or the duration, or name of the tool.
-    pub asked: String,
+    pub subject: String,
     /// Buttons of the dialog.
     pub choices: Vec<String>,
     /// Answer: the button number from 0, or a value.

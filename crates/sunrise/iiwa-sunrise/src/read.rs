@@ -28,7 +28,7 @@ impl DataFile {
     pub fn from_xml(text: &str) -> Result<Self, DataFileError> {
         let root = Element::read(text)?;
         if root.name != "RoboticsAPIData" {
-            return Err(DataFileError::NotDataFile { at: root.place(), found: root.name });
+            return Err(DataFileError::NotDataFile { place: root.place(), root: root.name });
         }
         let mut file = Self::default();
         let mut rest = Rest::default();
@@ -102,8 +102,8 @@ fn process_data(element: &Element<'_>) -> Option<ProcessData> {
 struct Rest(BTreeMap<(String, String), usize>);
 
 impl Rest {
-    fn add(&mut self, what: &str, why: &str) {
-        *self.0.entry((what.to_owned(), why.to_owned())).or_default() += 1;
+    fn add(&mut self, kind: &str, why: &str) {
+        *self.0.entry((kind.to_owned(), why.to_owned())).or_default() += 1;
     }
 
     fn unknown(&mut self, element: &str) {
@@ -111,7 +111,10 @@ impl Rest {
     }
 
     fn kinds(self) -> Vec<NotTaken> {
-        self.0.into_iter().map(|((what, why), count)| NotTaken { what, count, why }).collect()
+        self.0
+            .into_iter()
+            .map(|((kind, why), count)| NotTaken { kind, count, reason: why })
+            .collect()
     }
 }
 
@@ -153,8 +156,8 @@ fn world_frame(element: &Element<'_>, rest: &mut Rest) -> Result<WorldFrame, Dat
                     if entry.name == "redundancy" && names(kind, "LBRE1Redundancy") {
                         redundancies.push(redundancy(entry, rest)?);
                     } else if entry.name == "redundancy" {
-                        let what = format!("redundancy {}", last_part(kind));
-                        rest.add(&what, "another rule than that of E1, status and turn");
+                        let message = format!("redundancy {}", last_part(kind));
+                        rest.add(&message, "another rule than that of E1, status and turn");
                     } else {
                         rest.unknown(&entry.name);
                     }
@@ -223,22 +226,22 @@ fn teaching(info: &Element<'_>) -> Result<Teaching, DataFileError> {
 fn redundancy(entry: &Element<'_>, rest: &mut Rest) -> Result<TaughtRedundancy, DataFileError> {
     let provider = entry.attribute("transformationProviderName").unwrap_or_default();
     let device = provider.rsplit('/').next().unwrap_or_default().to_owned();
-    let mut found = TaughtRedundancy { device, e1_rad: None, status: None, turn: None };
+    let mut redundancy = TaughtRedundancy { device, e1_rad: None, status: None, turn: None };
     for info in &entry.children {
         let bits = || info.attribute("value").and_then(|value| value.trim().parse().ok());
         let kind = last_part(info.attribute("type").unwrap_or_default());
         let is_read = match kind {
             "E1Parameter" => {
-                found.e1_rad = Some(info.number("value")?);
+                redundancy.e1_rad = Some(info.number("value")?);
                 true
             }
             "StatusParameter" => {
-                found.status = bits().and_then(Status::new);
-                found.status.is_some()
+                redundancy.status = bits().and_then(Status::new);
+                redundancy.status.is_some()
             }
             "TurnParameter" => {
-                found.turn = bits().and_then(Turn::new);
-                found.turn.is_some()
+                redundancy.turn = bits().and_then(Turn::new);
+                redundancy.turn.is_some()
             }
             _ => {
                 rest.unknown(&info.name);
@@ -250,7 +253,7 @@ fn redundancy(entry: &Element<'_>, rest: &mut Rest) -> Result<TaughtRedundancy, 
             rest.add(&format!("{kind} {value}"), "status is from 0 to 7, turn from 0 to 127");
         }
     }
-    Ok(found)
+    Ok(redundancy)
 }
 
 fn tool(element: &Element<'_>, rest: &mut Rest) -> Result<ToolTemplate, DataFileError> {
@@ -305,8 +308,8 @@ fn tool_frames(list: &Element<'_>, rest: &mut Rest) -> Result<Vec<ToolFrame>, Da
 fn load(element: &Element<'_>, tool: &str, rest: &mut Rest) -> Result<Option<Load>, DataFileError> {
     let mass_kg = element.number("mass")?;
     if mass_kg <= 0.0 {
-        let what = format!("loadData of {tool}");
-        rest.add(&what, &format!("its mass is {mass_kg} kg: it was not determined"));
+        let subject = format!("loadData of {tool}");
+        rest.add(&subject, &format!("its mass is {mass_kg} kg: it was not determined"));
         return Ok(None);
     }
     let or_zero = |key| match element.attribute(key) {

@@ -82,9 +82,9 @@ impl StatedModel {
             .to_ascii_lowercase();
         let models = [("7r800", Robot::BUILT_IN[0]), ("14r820", Robot::BUILT_IN[1])];
         models.into_iter().find_map(|(size, built_in)| {
-            let is = |series: &str| letters.contains(&format!("{series}{size}"));
-            let is_med = is("med");
-            (is_med || is("iiwa")).then_some(Self { built_in, is_med })
+            let names_series = |series: &str| letters.contains(&format!("{series}{size}"));
+            let is_med = names_series("med");
+            (is_med || names_series("iiwa")).then_some(Self { built_in, is_med })
         })
     }
 }
@@ -102,7 +102,7 @@ impl fmt::Display for RobotStatement {
 /// Returns the message of the XML parser if the text is not XML.
 pub(crate) fn in_station(file: &str, text: &str) -> Result<Vec<RobotStatement>, String> {
     let root = Element::read(text).map_err(|error| error.to_string())?;
-    let mut found = Vec::new();
+    let mut statements = Vec::new();
     let mut open = vec![&root];
     while let Some(element) = open.pop() {
         open.extend(element.children.iter().rev().filter(|child| child.name == "TopologyItem"));
@@ -113,44 +113,47 @@ pub(crate) fn in_station(file: &str, text: &str) -> Result<Vec<RobotStatement>, 
             StatedModel::in_name(words).map(|model| (property, words, model))
         });
         let Some((property, words, model)) = robot else { continue };
-        let mut state = |at: &Element<'_>, words: &str, means| {
-            let line = u32::try_from(at.place().line).unwrap_or(u32::MAX);
+        let mut state = |element: &Element<'_>, words: &str, means| {
+            let line = u32::try_from(element.place().line).unwrap_or(u32::MAX);
             let (file, words) = (file.to_owned(), words.to_owned());
-            found.push(RobotStatement { by: StatedBy::Station, file, line, words, means });
+            statements.push(RobotStatement { by: StatedBy::Station, file, line, words, means });
         };
         state(property, words, Stated::Model(model));
         let flange = properties().find(|property| property.attribute("key") == Some("MAM"));
-        if let Some((flange, name)) = flange.and_then(|own| Some((own, flange_name(own)?))) {
+        if let Some((flange, name)) = flange.and_then(|model| Some((model, flange_name(model)?))) {
             let is_touch = name.to_lowercase().contains("touch");
             let length_m = if is_touch { TOUCH_FLANGE_M } else { OTHER_FLANGE_M };
             state(flange, name, Stated::Flange(model, length_m));
         }
     }
-    Ok(found)
+    Ok(statements)
 }
 
 /// Returns the name of the selected flange: the display name of the value, or of the equal value
 /// among the possible ones.
 fn flange_name<'e>(property: &'e Element<'_>) -> Option<&'e str> {
     let chosen = property.child("Value")?;
-    let named = |own: &'e Element<'_>| own.attribute("displayName").filter(|name| !name.is_empty());
-    let same = |own: &&Element<'_>| own.name == "PossibleValue" && own.words() == chosen.words();
+    let named =
+        |element: &'e Element<'_>| element.attribute("displayName").filter(|name| !name.is_empty());
+    let same = |element: &&Element<'_>| {
+        element.name == "PossibleValue" && element.words() == chosen.words()
+    };
     named(chosen).or_else(|| named(property.children.iter().find(same)?))
 }
 
 /// Finds robots in the text of a Java file: in strings and identifiers, not in comments. Each model
 /// is reported at its first occurrence.
 pub(crate) fn in_java(file: &str, text: &str) -> Vec<RobotStatement> {
-    let mut found: Vec<RobotStatement> = Vec::new();
+    let mut statements: Vec<RobotStatement> = Vec::new();
     for (line, words) in Words::new(text) {
         let Some(model) = StatedModel::in_name(words) else { continue };
         let means = Stated::Model(model);
-        if !found.iter().any(|known| known.means == means) {
+        if !statements.iter().any(|known| known.means == means) {
             let (file, words) = (file.to_owned(), words.to_owned());
-            found.push(RobotStatement { by: StatedBy::Java, file, line, words, means });
+            statements.push(RobotStatement { by: StatedBy::Java, file, line, words, means });
         }
     }
-    found
+    statements
 }
 
 /// Iterator over the identifiers and strings of a Java text with their lines; comments are skipped.
@@ -175,19 +178,19 @@ impl<'t> Words<'t> {
 
     /// Returns the number of bytes up to and including `end`, or to the end of the text.
     fn up_to(&self, from: usize, end: &str) -> usize {
-        self.rest[from..].find(end).map_or(self.rest.len(), |at| from + at + end.len())
+        self.rest[from..].find(end).map_or(self.rest.len(), |offset| from + offset + end.len())
     }
 
     /// Returns the number of bytes of a string or character literal with its quotes; an
     /// unterminated literal ends with its line.
     fn quoted(&self, quote: char) -> usize {
         let mut is_escaped = false;
-        for (at, own) in self.rest.char_indices().skip(1) {
-            match own {
-                '\n' => return at,
+        for (offset, letter) in self.rest.char_indices().skip(1) {
+            match letter {
+                '\n' => return offset,
                 _ if is_escaped => is_escaped = false,
                 '\\' => is_escaped = true,
-                _ if own == quote => return at + own.len_utf8(),
+                _ if letter == quote => return offset + letter.len_utf8(),
                 _ => {}
             }
         }
@@ -209,8 +212,9 @@ impl<'t> Iterator for Words<'t> {
             } else if matches!(first, '"' | '\'') {
                 return Some((line, self.take(self.quoted(first)).trim_matches(first)));
             } else if first.is_alphanumeric() || first == '_' {
-                let is_part = |own: char| own.is_alphanumeric() || matches!(own, '_' | '$');
-                let end = self.rest.find(|own| !is_part(own)).unwrap_or(self.rest.len());
+                let is_part =
+                    |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '$');
+                let end = self.rest.find(|letter| !is_part(letter)).unwrap_or(self.rest.len());
                 return Some((line, self.take(end)));
             } else {
                 self.take(first.len_utf8());
@@ -239,8 +243,8 @@ mod tests {
     }
 
     fn flange_m(value: &str) -> Option<f64> {
-        let found = in_station("StationSetup.cat", &station(value)).unwrap();
-        found.into_iter().find_map(|own| match own.means {
+        let statements = in_station("StationSetup.cat", &station(value)).unwrap();
+        statements.into_iter().find_map(|statement| match statement.means {
             Stated::Flange(_, length_m) => Some(length_m),
             Stated::Model(_) => None,
         })
@@ -249,8 +253,8 @@ mod tests {
     #[test]
     fn a_station_states_robot_and_flange() {
         let text = station(r#"<Value displayName="Media flange electrical">MADA=MF</Value>"#);
-        let found = in_station("StationSetup.cat", &text).unwrap();
-        let [robot, flange] = found.as_slice() else { panic!("{found:?}") };
+        let statements = in_station("StationSetup.cat", &text).unwrap();
+        let [robot, flange] = statements.as_slice() else { panic!("{statements:?}") };
         assert_eq!(robot.to_string(), "StationSetup.cat:4 says LBR_iiwa_14_R820_1");
         let model = StatedModel { built_in: "lbr_iiwa_14_r820", is_med: false };
         assert_eq!(robot.means, Stated::Model(model));
@@ -298,8 +302,8 @@ mod tests {
     LBR arm = getDevice(controller, "LBR_iiwa_14_R820_1"); // LBR_iiwa_7_R800_1
     @Inject LBR lBR_iiwa_14_R820_1;
 }"#;
-        let found = in_java("src/A.java", text);
-        let said: Vec<_> = found.iter().map(ToString::to_string).collect();
+        let statements = in_java("src/A.java", text);
+        let said: Vec<_> = statements.iter().map(ToString::to_string).collect();
         assert_eq!(said, ["src/A.java:5 says LBR_iiwa_14_R820_1"]);
     }
 
@@ -308,8 +312,12 @@ mod tests {
         for text in
             ["/* LBR_iiwa_7_R800", "\"LBR_iiwa_7_R800", "// LBR_iiwa_7_R800", "'", "\"\\", "ä\"ö"]
         {
-            let found = in_java("A.java", text);
-            assert_eq!(found.len(), usize::from(text.starts_with('"') && text.len() > 2), "{text}");
+            let statements = in_java("A.java", text);
+            assert_eq!(
+                statements.len(),
+                usize::from(text.starts_with('"') && text.len() > 2),
+                "{text}"
+            );
         }
     }
 }

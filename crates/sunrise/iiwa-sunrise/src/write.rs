@@ -136,20 +136,23 @@ impl XmlText {
         self.close("additionalInformation");
     }
 
-    fn redundancy(&mut self, found: &TaughtRedundancy) {
+    fn redundancy(&mut self, redundancy: &TaughtRedundancy) {
         const PACKAGE: &str = "com.kuka.roboticsAPI.deviceModel";
         // Default name of a station in Sunrise.
         const STATION: &str = "KUKA_Sunrise_Cabinet_1";
         let parameters = [
-            ("StatusTurnRedundancy$StatusParameter", found.status.map(|status| status.to_string())),
-            ("StatusTurnRedundancy$TurnParameter", found.turn.map(|turn| turn.to_string())),
-            ("LBRE1Redundancy$E1Parameter", found.e1_rad.map(|e1_rad| format!("{e1_rad:?}"))),
+            (
+                "StatusTurnRedundancy$StatusParameter",
+                redundancy.status.map(|status| status.to_string()),
+            ),
+            ("StatusTurnRedundancy$TurnParameter", redundancy.turn.map(|turn| turn.to_string())),
+            ("LBRE1Redundancy$E1Parameter", redundancy.e1_rad.map(|e1_rad| format!("{e1_rad:?}"))),
         ];
         self.open("redundancyData", &[]);
         self.open(
             "redundancy",
             &[
-                ("transformationProviderName", format!("{STATION}/{}", found.device)),
+                ("transformationProviderName", format!("{STATION}/{}", redundancy.device)),
                 ("type", format!("{PACKAGE}.LBRE1Redundancy")),
             ],
         );

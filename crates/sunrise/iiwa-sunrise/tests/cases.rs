@@ -77,20 +77,28 @@ fn runs(folder: &Path) -> Vec<(Answers, Expected)> {
 }
 
 /// Returns the first stated value that is not found. Numbers are compared to 1e-9.
-fn difference(at: &str, found: &Value, stated: &Value) -> Option<String> {
-    match (found, stated) {
-        (Value::Object(found), Value::Object(stated)) => stated.iter().find_map(|(key, stated)| {
-            difference(&format!("{at}.{key}"), found.get(key).unwrap_or(&Value::Null), stated)
-        }),
-        (Value::Array(found), Value::Array(stated)) if found.len() == stated.len() => {
-            let mut pairs = found.iter().zip(stated).enumerate();
-            pairs.find_map(|(i, (found, stated))| difference(&format!("{at}[{i}]"), found, stated))
+fn difference(path: &str, actual: &Value, stated: &Value) -> Option<String> {
+    match (actual, stated) {
+        (Value::Object(actual), Value::Object(stated)) => {
+            stated.iter().find_map(|(key, stated)| {
+                difference(
+                    &format!("{path}.{key}"),
+                    actual.get(key).unwrap_or(&Value::Null),
+                    stated,
+                )
+            })
+        }
+        (Value::Array(actual), Value::Array(stated)) if actual.len() == stated.len() => {
+            let mut pairs = actual.iter().zip(stated).enumerate();
+            pairs.find_map(|(i, (actual, stated))| {
+                difference(&format!("{path}[{i}]"), actual, stated)
+            })
         }
         (Value::Number(a), Value::Number(b)) => {
-            let [a, b] = [a, b].map(|own| own.as_f64().unwrap());
-            ((a - b).abs() > 1e-9).then(|| format!("{at}: {a}, not {b}"))
+            let [a, b] = [a, b].map(|value| value.as_f64().unwrap());
+            ((a - b).abs() > 1e-9).then(|| format!("{path}: {a}, not {b}"))
         }
-        (a, b) => (a != b).then(|| format!("{at}: {a}, not {b}")),
+        (a, b) => (a != b).then(|| format!("{path}: {a}, not {b}")),
     }
 }
 
@@ -117,8 +125,9 @@ fn of_import(import: &Import, expected: &Expected) -> Vec<String> {
         }
     }
     let of_robot = [QuestionKind::Robot, QuestionKind::Flange, QuestionKind::Start];
-    let asked = import.questions.iter().filter(|own| !of_robot.contains(&own.kind));
-    let asked: Vec<_> = asked.map(|own| format!("{} = {}", own.asked, own.answer)).collect();
+    let asked = import.questions.iter().filter(|question| !of_robot.contains(&question.kind));
+    let asked: Vec<_> =
+        asked.map(|question| format!("{} = {}", question.subject, question.answer)).collect();
     if let Some(asks) = &expected.asks
         && *asks != asked
     {
@@ -158,12 +167,14 @@ fn cases_are_imported_or_refused_as_stated() {
         for (number, (answers, expected)) in (1..).zip(runs(&folder)) {
             let options = ImportOptions { answers, ..ImportOptions::default() };
             let name = expected.application.as_deref();
-            let found = match iiwa_sunrise::import(&project, name, &options) {
+            let import = match iiwa_sunrise::import(&project, name, &options) {
                 Ok(import) => of_import(&import, &expected),
                 Err(error) => of_refusal(&error, &expected),
             };
             let name = folder.file_name().unwrap().display();
-            wrong.extend(found.into_iter().map(|own| format!("{name}, run {number}: {own}")));
+            wrong.extend(
+                import.into_iter().map(|difference| format!("{name}, run {number}: {difference}")),
+            );
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

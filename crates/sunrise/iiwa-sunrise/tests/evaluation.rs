@@ -33,16 +33,16 @@ pub(crate) fn first_joints(program: &Program) -> Vec<f64> {
 }
 
 /// Returns the A1 targets of all motions.
-pub(crate) fn goes(members: &str, run: &str) -> Vec<f64> {
+pub(crate) fn joint_targets(members: &str, run: &str) -> Vec<f64> {
     match import(members, run) {
         Ok(import) => first_joints(&import.program),
         Err(error) => panic!("{error}\n{run}"),
     }
 }
 
-pub(crate) fn refused(members: &str, run: &str) -> RefusedImport {
+pub(crate) fn refused_import(members: &str, run: &str) -> RefusedImport {
     match import(members, run) {
-        Err(ImportError::Refused(refused)) => *refused,
+        Err(ImportError::Refused(refused_import)) => *refused_import,
         other => panic!("{other:?}"),
     }
 }
@@ -50,7 +50,7 @@ pub(crate) fn refused(members: &str, run: &str) -> RefusedImport {
 /// Returns the value of an expression.
 fn value(expression: &str) -> f64 {
     let run = format!("lbr.move(ptp({expression}, 0, 0, 0, 0, 0, 0));");
-    goes("", &run)[0]
+    joint_targets("", &run)[0]
 }
 
 #[test]
@@ -92,15 +92,15 @@ fn expressions_have_the_values_of_java() {
         ("new int[3].length * 0.1", 3.0 * 0.1),
     ];
     for (expression, expected) in cases {
-        let found = value(expression);
-        assert!((found - expected).abs() < 1e-15, "{expression}: {found}, not {expected}");
+        let actual = value(expression);
+        assert!((actual - expected).abs() < 1e-15, "{expression}: {actual}, not {expected}");
     }
 }
 
 pub(crate) const MOVE: &str = "lbr.move(ptp(a, 0, 0, 0, 0, 0, 0));";
 
 #[test]
-fn statements_do_what_they_do_in_java() {
+fn statements_behave_as_in_java() {
     let cases: [(&str, &[f64]); 13] = [
         ("for (int i = 0; i < 3; i++) { double a = i * 0.5; MOVE }", &[0.0, 0.5, 1.0]),
         ("for (double a : new double[] {0.25, 0.5}) { MOVE }", &[0.25, 0.5]),
@@ -125,13 +125,14 @@ fn statements_do_what_they_do_in_java() {
         ("int i = 7; i /= 2.0; double a = i * 0.1; MOVE", &[3.0 * 0.1]),
         ("double a = 0.1; { double b = 2; a *= b; } MOVE", &[0.2]),
         (
-            "List<Double> all = new ArrayList<Double>(); all.add(0.5); all.add(0, 0.25); all.remove(1); \
-             for (Double a : all) { MOVE }",
+            "List<Double> all = new ArrayList<Double>(); all.add(0.5); all.add(0, 0.25); \
+             all.remove(1); for (Double a : all) { MOVE }",
             &[0.25],
         ),
         (
-            "Map<String, Double> by = new HashMap<>(); by.put(\"b\", 0.2); by.put(\"a\", 0.1); by.put(\"b\", 0.3); \
-             for (Map.Entry<String, Double> entry : by.entrySet()) { double a = entry.getValue(); MOVE }",
+            "Map<String, Double> by = new HashMap<>(); by.put(\"b\", 0.2); by.put(\"a\", 0.1); \
+             by.put(\"b\", 0.3); for (Map.Entry<String, Double> entry : by.entrySet()) \
+             { double a = entry.getValue(); MOVE }",
             &[0.1, 0.3],
         ),
         (
@@ -141,10 +142,10 @@ fn statements_do_what_they_do_in_java() {
         ),
     ];
     for (run, expected) in cases {
-        let found = goes("", &run.replace("MOVE", MOVE));
-        assert_eq!(found.len(), expected.len(), "{run}: {found:?}");
-        for (found, expected) in found.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-15, "{run}: {found}, not {expected}");
+        let joints = joint_targets("", &run.replace("MOVE", MOVE));
+        assert_eq!(joints.len(), expected.len(), "{run}: {joints:?}");
+        for (actual, expected) in joints.iter().zip(expected) {
+            assert!((actual - expected).abs() < 1e-15, "{run}: {actual}, not {expected}");
         }
     }
 }
@@ -183,7 +184,8 @@ fn objects_are_as_in_java() {
          lbr.move(ptp(Derived.twice(0.2), 0, 0, 0, 0, 0, 0));\n\
          lbr.move(ptp(new Derived(0.3).inner().get(), 0, 0, 0, 0, 0, 0));\n\
          lbr.move(ptp(Derived.sum() + Derived.sum(0.1, 0.2), 0, 0, 0, 0, 0, 0));\n\
-         for (Derived.Side side : Derived.Side.values()) lbr.move(ptp(side.angle(), 0, 0, 0, 0, 0, 0));\n\
+         for (Derived.Side side : Derived.Side.values()) lbr.move(ptp(side.angle(), 0, 0, 0, 0, 0, \
+         0));\n\
          final double b = 0.6;\n\
          Angle angle = new Angle() { public double get() { return b; } };\n\
          lbr.move(ptp(angle.get(), 0, 0, 0, 0, 0, 0));",
@@ -191,10 +193,10 @@ fn objects_are_as_in_java() {
     let files = [("src/Base.java", other), ("src/Derived.java", derived), ("src/Main.java", &main)];
     let import = import_all(&files).unwrap();
     let expected = [0.35, 0.45, 0.2, 0.4, 0.5, 0.3, 0.3, 0.45, 0.6];
-    let found = first_joints(&import.program);
-    assert_eq!(found.len(), expected.len());
-    for (found, expected) in found.iter().zip(expected) {
-        assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
+    let joints = first_joints(&import.program);
+    assert_eq!(joints.len(), expected.len());
+    for (actual, expected) in joints.iter().zip(expected) {
+        assert!((actual - expected).abs() < 1e-12, "{actual}, not {expected}");
     }
 }
 
@@ -211,29 +213,30 @@ fn an_endless_loop_is_planned_for_one_turn() {
     assert!(import.notes.iter().any(|note| note.text.contains("one turn")), "{:?}", import.notes);
     // The loop ends by known values.
     let run = "int turn = 0; while (true) { double a = 0.1 * turn; MOVE if (++turn == 3) break; }";
-    assert_eq!(goes("", &run.replace("MOVE", MOVE)).len(), 3);
+    assert_eq!(joint_targets("", &run.replace("MOVE", MOVE)).len(), 3);
     // No state outside an iteration changes.
     let run = "boolean on = true; while (on) { double a = 0.1; MOVE } double a = 0.2; MOVE";
-    assert_eq!(goes("", &run.replace("MOVE", MOVE)), [0.1]);
+    assert_eq!(joint_targets("", &run.replace("MOVE", MOVE)), [0.1]);
 }
 
 #[test]
-fn what_is_unknown_counts_only_where_the_arm_depends_on_it() {
+fn unknown_values_matter_only_for_motions() {
     // A branch that only computes and logs is skipped.
-    let run = "long begin = System.currentTimeMillis(); double b = 0; if (begin > 5) { b = 1; getLogger().info(\"\" + b); } \
-               double a = 0.5; MOVE getLogger().info(\"took \" + (System.currentTimeMillis() - begin));";
-    assert_eq!(goes("", &run.replace("MOVE", MOVE)), [0.5]);
+    let run = "long begin = System.currentTimeMillis(); double b = 0; if (begin > 5) \
+        { b = 1; getLogger().info(\"\" + b); } double a = 0.5; MOVE getLogger().info(\"took \" + \
+        (System.currentTimeMillis() - begin));";
+    assert_eq!(joint_targets("", &run.replace("MOVE", MOVE)), [0.5]);
     // The values that the branch computes are unknown from then on.
     let run = "double a = 0;\nif (System.nanoTime() > 5) {\na = 1;\n}\nMOVE";
-    let found = refused("", &run.replace("MOVE", MOVE));
-    assert!(found.reason.contains("clock"), "{}", found.reason);
-    assert_eq!(found.source.line, 10);
+    let message = refused_import("", &run.replace("MOVE", MOVE));
+    assert!(message.reason.contains("clock"), "{}", message.reason);
+    assert_eq!(message.source.line, 10);
     // A branch in which the robot moves is refused, at the line of the branch.
     let run = "double a = 0.5; MOVE\nif (Math.random() > 0.5) {\nMOVE\n}";
-    let found = refused("", &run.replace("MOVE", MOVE));
-    assert!(found.reason.contains("random"), "{}", found.reason);
-    assert_eq!(found.source.line, 7);
-    assert_eq!(found.understood.motions.len(), 1);
+    let message = refused_import("", &run.replace("MOVE", MOVE));
+    assert!(message.reason.contains("random"), "{}", message.reason);
+    assert_eq!(message.source.line, 7);
+    assert_eq!(message.understood.motions.len(), 1);
 }
 
 #[test]
@@ -252,8 +255,8 @@ fn hostile_programs_are_refused() {
         ("", "throw new IllegalStateException(\"no part\");", "no part"),
     ];
     for (members, run, reason) in cases {
-        let found = refused(members, &run.replace("MOVE", MOVE));
-        assert!(found.reason.contains(reason), "{run}: {}", found.reason);
+        let message = refused_import(members, &run.replace("MOVE", MOVE));
+        assert!(message.reason.contains(reason), "{run}: {}", message.reason);
     }
 }
 
@@ -266,8 +269,12 @@ fn classes_that_inherit_in_a_circle_are_refused() {
         ("src/Main.java", main.as_str()),
     ];
     match import_all(&files) {
-        Err(ImportError::Refused(refused)) => {
-            assert!(refused.reason.contains("inherits from itself"), "{}", refused.reason);
+        Err(ImportError::Refused(refused_import)) => {
+            assert!(
+                refused_import.reason.contains("inherits from itself"),
+                "{}",
+                refused_import.reason
+            );
         }
         other => panic!("{other:?}"),
     }
@@ -280,15 +287,19 @@ fn a_file_that_cannot_be_used_matters_where_it_is_needed() {
     assert!(import_all(&[("src/Main.java", &main), broken]).is_ok());
     let main = application("", "double a = new Broken().f(); MOVE").replace("MOVE", MOVE);
     match import_all(&[("src/Main.java", &main), broken]) {
-        Err(ImportError::Refused(refused)) => {
-            assert!(refused.reason.contains("src/Broken.java:1"), "{}", refused.reason);
+        Err(ImportError::Refused(refused_import)) => {
+            assert!(
+                refused_import.reason.contains("src/Broken.java:1"),
+                "{}",
+                refused_import.reason
+            );
         }
         other => panic!("{other:?}"),
     }
 }
 
 #[test]
-fn copies_of_a_class_are_told_apart() {
+fn copies_of_a_class_are_distinguished() {
     let base =
         |angle: &str| format!("package a; class Base {{ double angle() {{ return {angle}; }} }}");
     let main = application("", "double a = new a.Base().angle(); MOVE").replace("MOVE", MOVE);
@@ -299,12 +310,12 @@ fn copies_of_a_class_are_told_apart() {
         ("src/a/Base.java", two.as_str()),
         ("src/Main.java", main.as_str()),
     ];
-    let found = import_all(&files).unwrap();
-    assert_eq!((first_joints(&found.program), found.notes.len()), (vec![0.2], 0));
+    let applications = import_all(&files).unwrap();
+    assert_eq!((first_joints(&applications.program), applications.notes.len()), (vec![0.2], 0));
     // Otherwise the first class is used, with a note unless the classes are equal.
     let files = [files[0], ("new/src/a/Base.java", two.as_str()), files[2]];
-    let found = import_all(&files).unwrap();
-    let text = found.notes.iter().map(|note| note.text.as_str()).collect::<String>();
+    let applications = import_all(&files).unwrap();
+    let text = applications.notes.iter().map(|note| note.text.as_str()).collect::<String>();
     assert!(text.contains("old/src/a/Base.java") && text.contains("new/src/a/Base.java"), "{text}");
     let files = [files[0], ("new/src/a/Base.java", one.as_str()), files[2]];
     assert!(import_all(&files).unwrap().notes.is_empty());

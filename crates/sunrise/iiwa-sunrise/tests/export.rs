@@ -75,11 +75,11 @@ fn motions_to_joints_have_shares_and_blends() {
                { "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 0] }"#
         ),
         "lbr.moveAsync(ptp(0.1, 0.3, 0.0, -0.98, 0.0, 1.6, 0.0) .setJointVelocityRel(0.75) \
-         .setJointAccelerationRel(new double[] {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 1.0}) .setBlendingRel(0.5)); \
-         lbr.moveAsync(ptp(0.0, Math.toRadians(30.0), 0.0, Math.toRadians(-70.0), 0.0, Math.toRadians(80.0), 0.0) \
-         .setJointJerkRel(0.2) .setBlendingCart(20.0)); \
-         lbr.moveAsync(ptp(0.0, Math.toRadians(42.0), 0.0, Math.toRadians(-44.0), 0.0, Math.toRadians(90.0), 0.0) \
-         .setBlendingRel(0.5)); \
+         .setJointAccelerationRel(new double[] {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 1.0}) \
+         .setBlendingRel(0.5)); lbr.moveAsync(ptp(0.0, Math.toRadians(30.0), 0.0, \
+         Math.toRadians(-70.0), 0.0, Math.toRadians(80.0), 0.0) .setJointJerkRel(0.2) \
+         .setBlendingCart(20.0)); lbr.moveAsync(ptp(0.0, Math.toRadians(42.0), 0.0, \
+         Math.toRadians(-44.0), 0.0, Math.toRadians(90.0), 0.0) .setBlendingRel(0.5)); \
          lbr.move(ptp(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0));"
     );
 }
@@ -106,12 +106,12 @@ fn a_motion_is_waited_for_where_the_arm_stops() {
 }
 
 #[test]
-fn waits_that_overlap_motions_are_sleeps_after_what_was_sent() {
+fn overlapping_waits_are_sleeps_after_asynchronous_motions() {
     let overlap = |motions: usize| {
         format!(r#"{{ "type": "wait", "seconds": 0.25, "overlap_motions": {motions} }}"#)
     };
     let blended = PTP.replace(" }", r#", "blend": { "cart_mm": 20 } }"#);
-    let (up, down) = (
+    let (relative_lift, down) = (
         r#"{ "type": "lin_rel", "offset": { "z_mm": 5 } }"#,
         r#"{ "type": "lin_rel", "offset": { "z_mm": -5 } }"#,
     );
@@ -125,27 +125,29 @@ fn waits_that_overlap_motions_are_sleeps_after_what_was_sent() {
         java.split("; ").map(short).collect::<Vec<_>>().join(" ")
     };
     // The blend is kept; at run time, the motion after the wait may be sent too late for it.
-    let two = lines(&[&blended, &overlap(1), up]);
+    let two = lines(&[&blended, &overlap(1), relative_lift]);
     assert_eq!(two, "lbr.moveAsync ThreadUtil.milliSleep(250L) lbr.move");
     // Both motions are sent at once; at the end, the program waits for the robot.
-    let end = lines(&[&blended, up, &overlap(2)]);
+    let end = lines(&[&blended, relative_lift, &overlap(2)]);
     assert_eq!(end, "lbr.moveAsync sent = lbr.moveAsync ThreadUtil.milliSleep(250L) sent.await();");
     // The second wait starts with the second motion, which begins when the first has ended.
-    let twice = lines(&[up, &overlap(1), down, &overlap(1), up]);
+    let twice = lines(&[relative_lift, &overlap(1), down, &overlap(1), relative_lift]);
     assert_eq!(
         twice,
-        "sent = lbr.moveAsync ThreadUtil.milliSleep(250L) sent.await() lbr.moveAsync ThreadUtil.milliSleep(250L) lbr.move"
+        "sent = lbr.moveAsync ThreadUtil.milliSleep(250L) sent.await() lbr.moveAsync \
+         ThreadUtil.milliSleep(250L) lbr.move"
     );
     // A wait at standstill.
-    let plain = lines(&[up, &overlap(1), r#"{ "type": "wait", "seconds": 1 }"#, down]);
+    let plain = lines(&[relative_lift, &overlap(1), r#"{ "type": "wait", "seconds": 1 }"#, down]);
     assert_eq!(
         plain,
-        "sent = lbr.moveAsync ThreadUtil.milliSleep(250L) sent.await() ThreadUtil.milliSleep(1000L) lbr.move"
+        "sent = lbr.moveAsync ThreadUtil.milliSleep(250L) sent.await() \
+         ThreadUtil.milliSleep(1000L) lbr.move"
     );
     // The wait would start with the first motion, which is too early.
     for motions in [
-        [blended.as_str(), up, &overlap(1), down].join(", "),
-        [up, down, &overlap(1), &overlap(2), up].join(", "),
+        [blended.as_str(), relative_lift, &overlap(1), down].join(", "),
+        [relative_lift, down, &overlap(1), &overlap(2), relative_lift].join(", "),
     ] {
         let error = exported(&read(&motions)).unwrap_err().to_string();
         assert!(error.starts_with("motion 3: `overlap`: "), "{error}");
@@ -167,8 +169,10 @@ fn paths_of_the_tcp_have_all_their_limits() {
             "lbr.moveAsync(lin(getApplicationData().getFrame(\"/P2\")) \
              .setOrientationType(SplineOrientationType.Constant) .setJointVelocityRel(0.5) \
              .setCartVelocity(250.0) .setCartAcceleration(1500.0) .setCartJerk(20000.0) \
-             .setOrientationVelocity(Math.toRadians(60.0)) .setOrientationAcceleration(Math.toRadians(90.0)) \
-             .setOrientationJerk(Math.toRadians(1000.0)) .setBlendingCart(20.0) .setBlendingOri(Math.toRadians(10.0)));"
+             .setOrientationVelocity(Math.toRadians(60.0)) \
+             .setOrientationAcceleration(Math.toRadians(90.0)) \
+             .setOrientationJerk(Math.toRadians(1000.0)) .setBlendingCart(20.0) \
+             .setBlendingOri(Math.toRadians(10.0)));"
         ),
         "{lin}"
     );
@@ -190,12 +194,12 @@ fn offsets_are_in_the_tcp_or_in_a_frame() {
 
 #[test]
 fn circles_and_splines_go_to_frames() {
-    let at = |x: f64, y: f64| {
+    let frame_at = |x: f64, y: f64| {
         format!(
             r#"{{ "x_mm": {x}, "y_mm": {y}, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }}"#
         )
     };
-    let (a, b, c) = (at(450.0, 50.0), at(500.0, 0.0), at(450.0, -50.0));
+    let (a, b, c) = (frame_at(450.0, 50.0), frame_at(500.0, 0.0), frame_at(450.0, -50.0));
     let written = statements(&format!(
         r#"{{ "type": "circ", "aux": {a}, "frame": {b}, "circ_angle_deg": 270, "orientation_reference": "path" }},
            {{ "type": "spl", "frame": {c}, "cart_velocity_mm_s": 100 }},
@@ -208,11 +212,14 @@ fn circles_and_splines_go_to_frames() {
     // The frames of the circle are reused in the spline.
     assert_eq!(
         written,
-        "lbr.move(circ(getApplicationData().getFrame(\"/P1_aux\"), getApplicationData().getFrame(\"/P1\")) \
-         .setCircAngle(Math.toRadians(270.0)) .setOrientationReferenceSystem(OrientationReferenceSystem.Path)); \
+        "lbr.move(circ(getApplicationData().getFrame(\"/P1_aux\"), \
+            getApplicationData().getFrame(\"/P1\")) \
+         .setCircAngle(Math.toRadians(270.0)) \
+         .setOrientationReferenceSystem(OrientationReferenceSystem.Path)); \
          lbr.move(spl(getApplicationData().getFrame(\"/P2\")).setCartVelocity(100.0)); \
          lbr.move(new Spline( \
-         spl(getApplicationData().getFrame(\"/P1_aux\")) .setOrientationType(SplineOrientationType.Ignore), \
+         spl(getApplicationData().getFrame(\"/P1_aux\")) \
+         .setOrientationType(SplineOrientationType.Ignore), \
          lin(getApplicationData().getFrame(\"/P1\")).setJointVelocityRel(0.3).setCartVelocity(50.0), \
          circ(getApplicationData().getFrame(\"/P2\"), getApplicationData().getFrame(\"/P1_aux\")) \
          .setOrientationReferenceSystem(OrientationReferenceSystem.Base)) \
@@ -226,13 +233,19 @@ const TOOLS: &str = r#""tools": {
     "welder": { "tcp": { "z_mm": 200 }, "load": { "mass_kg": 3, "center_mm": [0, 0, 90] } } },
   "tool": "gripper","#;
 
-fn up(tool: &str) -> String {
+fn relative_lift(tool: &str) -> String {
     format!(r#"{{ "type": "lin_rel", "offset": {{ "z_mm": -10 }}, "tool": "{tool}" }}"#)
 }
 
 #[test]
-fn what_hangs_on_the_flange_is_attached() {
-    let motions = [up("gripper"), up("gripper/left"), up("flange"), up("probe"), up("welder")];
+fn payloads_are_attached() {
+    let motions = [
+        relative_lift("gripper"),
+        relative_lift("gripper/left"),
+        relative_lift("flange"),
+        relative_lift("probe"),
+        relative_lift("welder"),
+    ];
     let project = export(&read_with(TOOLS, &motions.join(",")));
     let (_, body) = project.java.split_once("void initialize() {").unwrap();
     let expected = "
@@ -263,7 +276,13 @@ fn what_hangs_on_the_flange_is_attached() {
 fn a_load_that_is_picked_up_is_a_tool_that_holds_it() {
     let load = r#"{ "type": "load", "load": { "mass_kg": 4.2, "center_mm": [0, 1, 90] } }"#;
     let none = r#"{ "type": "load", "load": null }"#;
-    let motions = [&up("gripper"), load, &up("gripper"), none, &up("gripper")];
+    let motions = [
+        &relative_lift("gripper"),
+        load,
+        &relative_lift("gripper"),
+        none,
+        &relative_lift("gripper"),
+    ];
     let program = read_with(TOOLS, &motions.join(","));
     let project = export(&program);
     assert_eq!(
@@ -280,7 +299,7 @@ fn a_load_that_is_picked_up_is_a_tool_that_holds_it() {
 }
 
 #[test]
-fn what_sunrise_has_no_call_for_is_refused_by_its_key() {
+fn keys_without_a_sunrise_call_are_rejected() {
     let frame = r#"{ "x_mm": 450, "y_mm": 50, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }"#;
     let other = r#"{ "x_mm": 500, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }"#;
     let cases = [
@@ -306,7 +325,7 @@ fn what_sunrise_has_no_call_for_is_refused_by_its_key() {
         (
             format!(
                 r#"{{ "type": "lin", "frame": {frame}, "tool": "probe", "blend": {{ "cart_mm": 20 }} }}, {}"#,
-                up("gripper")
+                relative_lift("gripper")
             ),
             "blend",
         ),
@@ -335,7 +354,7 @@ fn what_sunrise_has_no_call_for_is_refused_by_its_key() {
 }
 
 #[test]
-fn names_are_made_what_java_and_xml_take() {
+fn names_are_valid_in_java_and_xml() {
     let program = read_with(
         r#""tools": { "new \"tool\" <&>": { "tcp": {}, "tips": { "TCP": {}, "a/b": { "z_mm": 1 } } }, "greifer_ü": { "tcp": {} } },
            "bases": { "Tisch \"1\"": {}, "A": { "base": "Tisch \"1\"" }, "A/B": { "base": "A", "x_mm": 1 } },
@@ -350,8 +369,10 @@ fn names_are_made_what_java_and_xml_take() {
     for part in [
         "private Tool newTool;",
         "newTool = getApplicationData().createFromTemplate(\"new \\\"tool\\\" <&>\");",
-        "newTool.getFrame(\"/TCP\").move(lin(getApplicationData().getFrame(\"/Tisch \\\"1\\\"/A/B\")));",
-        "newTool.getFrame(\"/a_b\").move(lin(getApplicationData().getFrame(\"/Tisch \\\"1\\\"/A/B/P\\\\u_1\")));",
+        "newTool.getFrame(\"/TCP\").move(lin(getApplicationData().getFrame(\"/Tisch \
+         \\\"1\\\"/A/B\")));",
+        "newTool.getFrame(\"/a_b\").move(lin(getApplicationData().getFrame(\"/Tisch \
+         \\\"1\\\"/A/B/P\\\\u_1\")));",
         "greifer.getFrame(\"/TCP\").move(",
         "greifer = getApplicationData().createFromTemplate(\"greifer_\\u00fc\");",
     ] {
@@ -371,7 +392,9 @@ fn names_are_made_what_java_and_xml_take() {
 fn long_programs_are_divided_into_methods() {
     let project = export(&read(&vec![PTP; 130].join(",")));
     assert!(project.java.contains(
-        "    public void run() {\n        part1();\n        part2();\n        part3();\n    }\n\n    private void part1() {\n"
+        "    public void run() \
+         {\n        part1();\n        part2();\n        part3();\n    }\n\n    private void \
+         part1() {\n"
     ));
     assert_eq!(project.java.matches("lbr.move(").count(), 130);
 }
@@ -460,9 +483,9 @@ proptest! {
         let ptp = Ptp { blend: Some(Blend::CartMm(30.0)), ..Ptp::to(joints_rad).velocity(share) };
         program.motions.insert(0, Motion::Ptp(ptp));
         let java = export(&program).java;
-        let found = arguments(&java, "moveAsync(ptp");
+        let actual = arguments(&java, "moveAsync(ptp");
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        prop_assert_eq!(bits(&found), bits(&joints_rad));
+        prop_assert_eq!(bits(&actual), bits(&joints_rad));
         prop_assert_eq!(arguments(&java, "setJointVelocityRel"), [share]);
     }
 
@@ -486,7 +509,7 @@ proptest! {
         let project = export(&program);
         let file = DataFile::from_xml(&project.data_file).unwrap();
         prop_assert_eq!(file.frames[0].frame, frame);
-        prop_assert_eq!(file.frames[0].redundancy.as_ref().and_then(|own| own.e1_rad), e1_rad);
+        prop_assert_eq!(file.frames[0].redundancy.as_ref().and_then(|redundancy| redundancy.e1_rad), e1_rad);
         prop_assert_eq!(1e-3 * arguments(&project.java, "setCartVelocity")[0], 1e-3 * speed_mm_s);
         prop_assert_eq!(arguments(&project.java, "setOrientationJerk"), [turn_rad_s]);
     }

@@ -35,14 +35,14 @@ fn frame_element(name: &str, frame: &Frame, inner: &str) -> String {
 
 /// Returns the XML that a controller writes for a frame taught at `joints`.
 fn taught(joints: &Joints, tcp_name: &str, tcp: &Frame) -> String {
-    let found = Robot::default().redundancy(joints);
+    let redundancy = Robot::default().redundancy(joints);
     let parameter = |name: &str, value: String| {
         format!(r#"<info type="com.example.{name}" value="{value}" valueType="java.lang.Double"/>"#)
     };
     let parameters = [
-        parameter("StatusTurnRedundancy$StatusParameter", found.status.to_string()),
-        parameter("StatusTurnRedundancy$TurnParameter", found.turn.to_string()),
-        parameter("LBRE1Redundancy$E1Parameter", found.e1_rad.to_string()),
+        parameter("StatusTurnRedundancy$StatusParameter", redundancy.status.to_string()),
+        parameter("StatusTurnRedundancy$TurnParameter", redundancy.turn.to_string()),
+        parameter("LBRE1Redundancy$E1Parameter", redundancy.e1_rad.to_string()),
     ];
     format!(
         r#"<additionalInformation>
@@ -70,7 +70,8 @@ fn frame_at(joints: &Joints, tcp: &Frame, base: &Pose) -> Frame {
 
 fn file(world: &str, objects: &str) -> String {
     format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\" standalone=\"no\"?>\n<RoboticsAPIData version=\"3\">\n\
+        "<?xml version=\"1.0\" encoding=\"UTF-8\" standalone=\"no\"?>\n<RoboticsAPIData \
+         version=\"3\">\n\
          <world>\n<gravitation x=\"0.0\" y=\"0.0\" z=\"9.81\"/>\n{world}</world>\n\
          <objectTemplates>\n{objects}</objectTemplates>\n</RoboticsAPIData>\n"
     )
@@ -131,31 +132,31 @@ fn frame<'a>(cell: &'a ImportedCell, name: &str) -> &'a ImportedFrame {
 #[test]
 fn nested_frames_become_bases_and_frames() {
     let cell = imported(&project());
-    let own = &cell.workcell;
-    assert_eq!(own.bases.keys().collect::<Vec<_>>(), ["Bench", "Bench/Tray"]);
-    let frames: Vec<_> = own.frames.keys().collect();
+    let workcell = &cell.workcell;
+    assert_eq!(workcell.bases.keys().collect::<Vec<_>>(), ["Bench", "Bench/Tray"]);
+    let frames: Vec<_> = workcell.frames.keys().collect();
     assert_eq!(frames, ["Bench/P1", "Bench/Tray", "Bench/Tray/P1", "Home"]);
     // Frames keep their numbers, relative to their base.
-    assert_eq!(own.bases["Bench"].frame, BENCH);
-    assert_eq!(own.bases["Bench"].base, None);
-    assert_eq!(own.bases["Bench/Tray"].base.as_deref(), Some("Bench"));
-    assert_eq!(own.bases["Bench/Tray"].frame, own.frames["Bench/Tray"].frame);
-    assert_eq!(own.frames["Bench/Tray/P1"].base.as_deref(), Some("Bench/Tray"));
-    assert_eq!(own.frames["Home"].base.as_deref(), Some("robot"));
-    assert_eq!(own.frames["Home"].status.map(Status::bits), Some(2));
+    assert_eq!(workcell.bases["Bench"].frame, BENCH);
+    assert_eq!(workcell.bases["Bench"].base, None);
+    assert_eq!(workcell.bases["Bench/Tray"].base.as_deref(), Some("Bench"));
+    assert_eq!(workcell.bases["Bench/Tray"].frame, workcell.frames["Bench/Tray"].frame);
+    assert_eq!(workcell.frames["Bench/Tray/P1"].base.as_deref(), Some("Bench/Tray"));
+    assert_eq!(workcell.frames["Home"].base.as_deref(), Some("robot"));
+    assert_eq!(workcell.frames["Home"].status.map(Status::bits), Some(2));
     let paths: Vec<_> = cell.frames.iter().map(|frame| frame.path.as_str()).collect();
     assert_eq!(paths, ["/Bench", "/Bench/P1", "/Bench/Tray", "/Bench/Tray/P1", "/Home"]);
     assert!(cell.renamed.is_empty());
-    let read = Workcell::from_json(&own.to_json()).unwrap();
-    assert_eq!((&read.frames, &read.bases), (&own.frames, &own.bases));
+    let read = Workcell::from_json(&workcell.to_json()).unwrap();
+    assert_eq!((&read.frames, &read.bases), (&workcell.frames, &workcell.bases));
 }
 
 #[test]
 fn a_frame_without_anything_is_a_frame_to_go_to() {
     let world = frame_element("A", &BENCH, &frame_element("B", &BENCH, ""));
-    let own = imported(&file(&world, "")).workcell;
-    assert_eq!((own.bases.len(), own.frames.len()), (1, 1));
-    let target = &own.frames["A/B"];
+    let workcell = imported(&file(&world, "")).workcell;
+    assert_eq!((workcell.bases.len(), workcell.frames.len()), (1, 1));
+    let target = &workcell.frames["A/B"];
     assert_eq!((target.e1_rad, target.status, target.turn), (None, None, None));
 }
 
@@ -167,10 +168,10 @@ fn templates_become_tools_with_tips_and_loads() {
     assert_eq!(tool.tips.keys().collect::<Vec<_>>(), ["Jaw", "Jaw/Nail"]);
     let jaw = tool.tips["Jaw"].pose();
     let nail = Frame { xyz_mm: [0.0, 0.0, 12.0], abc_rad: [0.0, 0.0, 0.3] }.pose();
-    let found = cell.workcell.tcp(Some("Gripper/Jaw/Nail")).unwrap();
+    let nail_tcp = cell.workcell.tcp(Some("Gripper/Jaw/Nail")).unwrap();
     let expected = jaw.then(&nail);
     for i in 0..3 {
-        assert!((found.position_m[i] - expected.position_m[i]).abs() < 1e-15);
+        assert!((nail_tcp.position_m[i] - expected.position_m[i]).abs() < 1e-15);
     }
     let load = Load {
         mass_kg: 1.25,
@@ -196,14 +197,14 @@ fn templates_become_tools_with_tips_and_loads() {
 }
 
 #[test]
-fn what_was_taught_is_reached_with_the_joints_of_then() {
+fn taught_frames_are_reached_with_the_taught_joints() {
     let cell = imported(&project());
     let names = ["Bench/P1", "Bench/Tray", "Bench/Tray/P1", "Home"];
     for (name, joints_deg) in names.into_iter().zip(TAUGHT_DEG) {
         let check = frame(&cell, name).check(&Robot::default());
         assert_eq!(check.verdict, Verdict::Agrees, "{name}");
-        for (found, taught) in check.joints_rad.unwrap().iter().zip(joints_deg) {
-            assert!((found.to_degrees() - taught).abs() < 1e-9, "{name}");
+        for (actual, taught) in check.joints_rad.unwrap().iter().zip(joints_deg) {
+            assert!((actual.to_degrees() - taught).abs() < 1e-9, "{name}");
         }
     }
     assert_eq!(frame(&cell, "Bench").check(&Robot::default()).verdict, Verdict::NotTaught);
@@ -223,7 +224,7 @@ fn what_was_taught_is_reached_with_the_joints_of_then() {
 }
 
 #[test]
-fn what_does_not_agree_is_told() {
+fn contradictions_are_reported() {
     let verdict =
         |text: &str, name: &str, robot: &Robot| frame(&imported(text), name).check(robot).verdict;
     let iiwa = Robot::default();
@@ -237,16 +238,16 @@ fn what_does_not_agree_is_told() {
         1,
     );
     assert_ne!(turned, project);
-    let found = verdict(&turned, "Bench/P1", &iiwa);
+    let actual = verdict(&turned, "Bench/P1", &iiwa);
     let stated = Turn::new(turn ^ 64).unwrap();
-    assert_eq!(found, Verdict::OtherTurn { stated, found: Turn::of(&TAUGHT_DEG[0]) });
-    assert!(found.to_string().contains(&stated.to_string()));
+    assert_eq!(actual, Verdict::OtherTurn { stated, reached: Turn::of(&TAUGHT_DEG[0]) });
+    assert!(actual.to_string().contains(&stated.to_string()));
 
     // A TCP rotation by half a turn moves A7 out of its range.
     let joints = [0.0, 0.5, 0.0, -1.2, 0.0, 0.9, 0.02];
-    let at = frame_at(&joints, &Frame::default(), &Pose::IDENTITY);
+    let tcp_frame = frame_at(&joints, &Frame::default(), &Pose::IDENTITY);
     let flipped = Frame { abc_rad: [3.1, 0.0, 0.0], ..Frame::default() };
-    let text = file(&frame_element("P", &at, &taught(&joints, "Gone/TCP", &flipped)), "");
+    let text = file(&frame_element("P", &tcp_frame, &taught(&joints, "Gone/TCP", &flipped)), "");
     assert!(matches!(verdict(&text, "P", &iiwa), Verdict::Outside(_)));
     let cell = imported(&text);
     assert_eq!(frame(&cell, "P").tool, None);
@@ -254,7 +255,7 @@ fn what_does_not_agree_is_told() {
 }
 
 #[test]
-fn a_tcp_that_was_measured_again_is_told() {
+fn a_remeasured_tcp_is_reported() {
     let text = project();
     // Change only the tool's TCP, which is the last one.
     let (world, tools) = text.split_at(text.find("<objectTemplates>").unwrap());
@@ -281,7 +282,7 @@ fn of_several_robots_the_one_that_taught_counts() {
     let file = DataFile::from_xml(&text).unwrap();
     let cell = ImportedCell::new(&file);
     assert_eq!(frame(&cell, "Bench/P1").check(&Robot::default()).verdict, Verdict::Agrees);
-    let kinds: Vec<_> = file.not_taken.iter().map(|kind| kind.what.as_str()).collect();
+    let kinds: Vec<_> = file.not_taken.iter().map(|kind| kind.kind.as_str()).collect();
     assert!(kinds.contains(&"redundancy of another robot"), "{kinds:?}");
     assert!(kinds.contains(&"redundancy LBRAlphaRedundancy"), "{kinds:?}");
 }
@@ -320,28 +321,29 @@ fn names_that_programs_cannot_have_are_changed() {
 }
 
 #[test]
-fn what_is_passed_over_is_counted() {
+fn skipped_entries_are_counted() {
     let world = frame_element("A", &BENCH, "<colour/><measurementRotation/>")
         + &frame_element("B", &BENCH, "<colour/>")
         + "<plane/>";
     let text = file(&world, "<workpieceTemplate name=\"Nut\"/><workpieceTemplate name=\"Bolt\"/>")
         .replace(
             "</RoboticsAPIData>",
-            "<processDataContainer><processData id=\"speed\"/></processDataContainer></RoboticsAPIData>",
+            "<processDataContainer><processData \
+             id=\"speed\"/></processDataContainer></RoboticsAPIData>",
         )
         .replace("version=\"3\"", "version=\"4\"")
         .replace("z=\"9.81\"", "z=\"-9.81\"");
     let file = DataFile::from_xml(&text).unwrap();
-    let count = |what: &str| {
-        let kind = file.not_taken.iter().find(|kind| kind.what == what);
+    let count = |expected_kind: &str| {
+        let kind = file.not_taken.iter().find(|kind| kind.kind == expected_kind);
         kind.map_or(0, |kind| kind.count)
     };
-    let found =
+    let actual =
         ["<colour>", "<plane>", "workpieceTemplate", "processData", "measurement"].map(count);
-    assert_eq!(found, [2, 1, 2, 1, 1]);
+    assert_eq!(actual, [2, 1, 2, 1, 1]);
     assert_eq!((count("gravitation"), count("version 4")), (1, 1));
-    let gravity = file.not_taken.iter().find(|kind| kind.what == "gravitation").unwrap();
-    assert!(gravity.why.contains("-9.81"), "{}", gravity.why);
+    let gravity = file.not_taken.iter().find(|kind| kind.kind == "gravitation").unwrap();
+    assert!(gravity.reason.contains("-9.81"), "{}", gravity.reason);
     assert_eq!(file.frames.len(), 2);
 }
 
@@ -353,7 +355,8 @@ fn workpieces_and_process_data_are_kept_for_who_asks() {
     let text = file("", &(workpiece + broken)).replace(
         "</RoboticsAPIData>",
         "<processDataContainer>\
-         <processData dataType=\"java.lang.Double\" defaultValue=\"0.5\" id=\"speed\" min=\"0.1\" value=\"0.3\"/>\
+         <processData dataType=\"java.lang.Double\" defaultValue=\"0.5\" id=\"speed\" min=\"0.1\" \
+         value=\"0.3\"/>\
          <processData/></processDataContainer></RoboticsAPIData>",
     );
     let file = DataFile::from_xml(&text).unwrap();
@@ -362,8 +365,9 @@ fn workpieces_and_process_data_are_kept_for_who_asks() {
     assert_eq!((workpiece.name.as_str(), workpiece.frames.len()), ("Box", 2));
     assert_eq!(workpiece.load.map(|load| load.mass_kg), Some(1.25));
     let [data] = file.process_data.as_slice() else { panic!("{:?}", file.process_data) };
-    let found = (data.id.as_str(), data.value.as_deref(), data.min.as_deref(), data.max.as_deref());
-    assert_eq!(found, ("speed", Some("0.3"), Some("0.1"), None));
+    let actual =
+        (data.id.as_str(), data.value.as_deref(), data.min.as_deref(), data.max.as_deref());
+    assert_eq!(actual, ("speed", Some("0.3"), Some("0.1"), None));
     assert!(ImportedCell::new(&file).workcell.tools.is_empty());
 }
 
@@ -371,18 +375,18 @@ fn workpieces_and_process_data_are_kept_for_who_asks() {
 fn a_status_that_there_is_not_is_left_out() {
     let text = project().replacen("StatusParameter\" value=\"", "StatusParameter\" value=\"9", 1);
     let file = DataFile::from_xml(&text).unwrap();
-    assert!(file.not_taken.iter().any(|kind| kind.what.starts_with("StatusParameter 9")));
+    assert!(file.not_taken.iter().any(|kind| kind.kind.starts_with("StatusParameter 9")));
     assert_eq!(ImportedCell::new(&file).workcell.frames["Bench/P1"].status, None);
 }
 
 #[test]
-fn errors_say_where() {
+fn errors_state_their_place() {
     let nested = "<frame>".repeat(200);
     let bench = r#"<frame name="A"><transformation a="0" b="0" c="0" x="1" y="2" z="3"/></frame>"#;
     let world = |inner: &str| {
         format!("<RoboticsAPIData>\n <world>\n  {inner}\n </world>\n</RoboticsAPIData>")
     };
-    for (text, place, what) in [
+    for (text, place, message) in [
         (String::new(), (1, 1), "it has no element"),
         ("<urdf/>".to_owned(), (1, 1), "the outermost element is <urdf>"),
         (world("<frame name=\"A\">"), (4, 2), "this is not XML"),
@@ -401,10 +405,10 @@ fn errors_say_where() {
         (world(&nested), (3, 689), "nested more than 100 deep"),
     ] {
         let error = DataFile::from_xml(&text).unwrap_err();
-        assert!(error.to_string().contains(what), "{what}: {error}");
-        let found = (error.place().line, error.place().column);
-        assert_eq!(found, place, "{what}: {error}");
-        assert!(!error.what().contains("line "), "{}", error.what());
+        assert!(error.to_string().contains(message), "{message}: {error}");
+        let actual = (error.place().line, error.place().column);
+        assert_eq!(actual, place, "{message}: {error}");
+        assert!(!error.message().contains("line "), "{}", error.message());
     }
 }
 
@@ -416,54 +420,55 @@ fn trees() -> impl Strategy<Value = Vec<(Option<usize>, String, Frame)>> {
         .prop_map(|(xyz_mm, abc_rad)| Frame { xyz_mm, abc_rad });
     let entry = (any::<prop::sample::Index>(), "[AB/]{0,2}|robot|A_2", frame);
     prop::collection::vec(entry, 1..25).prop_map(|entries| {
-        let place = |(at, (parent, name, frame)): (usize, (prop::sample::Index, String, Frame))| {
-            (parent.index(at + 1).checked_sub(1), name, frame)
-        };
+        let place =
+            |(index, (parent, name, frame)): (usize, (prop::sample::Index, String, Frame))| {
+                (parent.index(index + 1).checked_sub(1), name, frame)
+            };
         entries.into_iter().enumerate().map(place).collect()
     })
 }
 
-fn element_of(tree: &[(Option<usize>, String, Frame)], at: usize) -> String {
-    let children = (0..tree.len()).filter(|child| tree[*child].0 == Some(at));
+fn element_of(tree: &[(Option<usize>, String, Frame)], index: usize) -> String {
+    let children = (0..tree.len()).filter(|child| tree[*child].0 == Some(index));
     let inner = children.fold(String::new(), |mut inner, child| {
         let _ = write!(inner, "{}", element_of(tree, child));
         inner
     });
-    frame_element(&tree[at].1, &tree[at].2, &inner)
+    frame_element(&tree[index].1, &tree[index].2, &inner)
 }
 
 proptest! {
     /// Each frame has a unique name and keeps its pose, for any nesting and naming.
     #[test]
     fn every_frame_stays_where_it_is(tree in trees()) {
-        let outer = (0..tree.len()).filter(|at| tree[*at].0.is_none());
-        let cell = imported(&file(&outer.map(|at| element_of(&tree, at)).collect::<String>(), ""));
+        let outer = (0..tree.len()).filter(|index| tree[*index].0.is_none());
+        let cell = imported(&file(&outer.map(|index| element_of(&tree, index)).collect::<String>(), ""));
         prop_assert_eq!(cell.frames.len(), tree.len());
-        let expected = |mut at: usize| {
-            let mut pose = tree[at].2.pose();
-            while let Some(parent) = tree[at].0 {
+        let expected = |mut index: usize| {
+            let mut pose = tree[index].2.pose();
+            while let Some(parent) = tree[index].0 {
                 pose = tree[parent].2.pose().then(&pose);
-                at = parent;
+                index = parent;
             }
             pose
         };
         // Frames are in file order, each before its children.
         let mut order = Vec::new();
-        let mut open: Vec<usize> = (0..tree.len()).rev().filter(|at| tree[*at].0.is_none()).collect();
-        while let Some(at) = open.pop() {
-            order.push(at);
-            open.extend((0..tree.len()).rev().filter(|child| tree[*child].0 == Some(at)));
+        let mut open: Vec<usize> = (0..tree.len()).rev().filter(|index| tree[*index].0.is_none()).collect();
+        while let Some(index) = open.pop() {
+            order.push(index);
+            open.extend((0..tree.len()).rev().filter(|child| tree[*child].0 == Some(index)));
         }
         let mut names = std::collections::BTreeSet::new();
-        for (found, at) in cell.frames.iter().zip(order) {
-            prop_assert!(names.insert(found.name.clone()));
-            let pose = if found.is_base {
-                cell.workcell.base(Some(&found.name)).unwrap()
+        for (actual, index) in cell.frames.iter().zip(order) {
+            prop_assert!(names.insert(actual.name.clone()));
+            let pose = if actual.is_base {
+                cell.workcell.base(Some(&actual.name)).unwrap()
             } else {
-                cell.workcell.target(&found.name.as_str().into(), None).unwrap().1
+                cell.workcell.target(&actual.name.as_str().into(), None).unwrap().1
             };
-            let expected = expected(at);
-            for pose in [pose, found.pose] {
+            let expected = expected(index);
+            for pose in [pose, actual.pose] {
                 for i in 0..3 {
                     prop_assert!((pose.position_m[i] - expected.position_m[i]).abs() < 1e-9);
                 }
@@ -474,10 +479,10 @@ proptest! {
 
     /// A damaged text is either read, or refused with a place in it, without a panic.
     #[test]
-    fn damaged_files_are_refused_or_read(at in any::<prop::sample::Index>(), by in "[<>/\"=&; a0-]{0,3}") {
+    fn damaged_files_are_refused_or_read(position in any::<prop::sample::Index>(), by in "[<>/\"=&; a0-]{0,3}") {
         let text = project();
-        let at = at.index(text.len());
-        let damaged = format!("{}{by}{}", &text[..at], &text[(at + 1).min(text.len())..]);
+        let position = position.index(text.len());
+        let damaged = format!("{}{by}{}", &text[..position], &text[(position + 1).min(text.len())..]);
         match DataFile::from_xml(&damaged) {
             Ok(file) => {
                 ImportedCell::new(&file).frames.iter().for_each(|frame| {

@@ -1,11 +1,11 @@
 //! Java library: lists, maps, sets, queues, iterators and builders. The expected texts are the
 //! output of a JVM (JDK 17).
 
-use crate::evaluation::{goes, import, refused};
+use crate::evaluation::{import, joint_targets, refused_import};
 
 /// Class with an order of its objects.
 const PART: &str = "static class P implements Comparable<P> { int n; P(int n) { this.n = n; }\n\
-     public int compareTo(P o) { return n - o.n; } public String toString() { return \"P\" + n; } }";
+    public int compareTo(P o) { return n - o.n; } public String toString() { return \"P\" + n; } }";
 
 const TEXTS: [(&str, &str); 43] = [
     (
@@ -180,15 +180,16 @@ const TEXTS: [(&str, &str); 43] = [
 ];
 
 #[test]
-fn the_library_gives_what_a_jvm_gives() {
+fn the_library_agrees_with_a_jvm() {
     let mut wrong = Vec::new();
     for (statements, text) in TEXTS {
         let text = text.replace('"', "\\\"");
         let run = format!(
-            "String s; {statements} lbr.move(ptp(s.equals(\"{text}\") ? 0.5 : 0.1, 0, 0, 0, 0, 0, 0)); getLogger().info(s);"
+            "String s; {statements} lbr.move(ptp(s.equals(\"{text}\") ? 0.5 : 0.1, 0, 0, 0, 0, 0, \
+             0)); getLogger().info(s);"
         );
         match import(PART, &run) {
-            Ok(_) if goes(PART, &run) == [0.5] => {}
+            Ok(_) if joint_targets(PART, &run) == [0.5] => {}
             Ok(_) => wrong.push(format!("another text than {text}: {statements}")),
             Err(error) => wrong.push(format!("{error}: {statements}")),
         }
@@ -197,7 +198,7 @@ fn the_library_gives_what_a_jvm_gives() {
 }
 
 #[test]
-fn calls_that_are_not_modelled_make_unknown_what_they_may_change() {
+fn unmodelled_calls_make_their_targets_unknown() {
     // Statements, and the value that is used after each.
     let cases = [
         ("l.removeIf(x -> x > System.nanoTime());", "l.size()"),
@@ -224,9 +225,9 @@ fn calls_that_are_not_modelled_make_unknown_what_they_may_change() {
         ("Arrays.setAll(f, null);", "f[0]"),
         ("Arrays.parallelPrefix(f, null);", "f[0]"),
     ];
-    let begin = "List<Integer> l = new ArrayList<Integer>(Arrays.asList(1, 2, 3)); Map<String, Integer> m = new HashMap<String, \
-         Integer>(); m.put(\"a\", 1); StringBuilder b = new StringBuilder(\"ab\"); AtomicInteger a = new AtomicInteger(1); \
-         double[] f = new double[3];";
+    let begin = "List<Integer> l = new ArrayList<Integer>(Arrays.asList(1, 2, 3)); Map<String, \
+        Integer> m = new HashMap<String, Integer>(); m.put(\"a\", 1); StringBuilder b = new \
+        StringBuilder(\"ab\"); AtomicInteger a = new AtomicInteger(1); double[] f = new double[3];";
     let mut wrong = Vec::new();
     for (statements, value) in cases {
         let run = format!("{begin} {statements} lbr.move(ptp({value} * 0.1, 0, 0, 0, 0, 0, 0));");
@@ -244,28 +245,30 @@ fn code_that_the_library_would_run_is_not_passed_over() {
     let move_it = "lbr.move(ptp(0.1, 0, 0, 0, 0, 0, 0));";
     let list = "List<Integer> l = new ArrayList<Integer>(); l.add(1);";
     let run = format!("{move_it} {list} new Library(l).forEach(x -> lbr.stop());");
-    let found = refused("", &run);
-    assert!(found.reason.contains("may run a lambda expression"), "{}", found.reason);
+    let message = refused_import("", &run);
+    assert!(message.reason.contains("may run a lambda expression"), "{}", message.reason);
     let consumer =
         format!("new Consumer<Integer>() {{ public void accept(Integer x) {{ {move_it} }} }}");
-    let found = refused("", &format!("{move_it} {list} new Library(l).forEach({consumer});"));
-    assert!(found.reason.contains("may call `accept`"), "{}", found.reason);
+    let message =
+        refused_import("", &format!("{move_it} {list} new Library(l).forEach({consumer});"));
+    assert!(message.reason.contains("may call `accept`"), "{}", message.reason);
     for run in
         [format!("{list} l.forEach({consumer});"), format!("{list} l.forEach(x -> {move_it});")]
     {
-        assert_eq!(goes("", &run.replace(";);", ");")), [0.1]);
+        assert_eq!(joint_targets("", &run.replace(";);", ");")), [0.1]);
     }
 }
 
 #[test]
 fn an_argument_that_is_not_known_chooses_no_method() {
-    let members = "double x = 0; void log(int a) { x = 0.1; } void log(String a) { x = 0.2; } void both(Object a) { x = 0.3; }\n\
-         void go(int a) { lbr.move(ptp(0.1, 0, 0, 0, 0, 0, 0)); } void go(String a) { }";
+    let members = "double x = 0; void log(int a) { x = 0.1; } void log(String a) { x = 0.2; } void \
+        both(Object a) { x = 0.3; }\n\
+        void go(int a) { lbr.move(ptp(0.1, 0, 0, 0, 0, 0, 0)); } void go(String a) { }";
     let run = |call: &str| format!("{call} lbr.move(ptp(x, 0, 0, 0, 0, 0, 0));");
-    assert_eq!(goes(members, &run("log(1);")), [0.1]);
-    assert_eq!(goes(members, &run("both(Camera.find());")), [0.3]);
-    let found = refused(members, &run("log(Camera.find());"));
-    assert!(found.reason.contains("Camera.find"), "{}", found.reason);
-    let found = refused(members, &run("go(Camera.find());"));
-    assert!(found.reason.contains("which of the methods `go`"), "{}", found.reason);
+    assert_eq!(joint_targets(members, &run("log(1);")), [0.1]);
+    assert_eq!(joint_targets(members, &run("both(Camera.find());")), [0.3]);
+    let message = refused_import(members, &run("log(Camera.find());"));
+    assert!(message.reason.contains("Camera.find"), "{}", message.reason);
+    let message = refused_import(members, &run("go(Camera.find());"));
+    assert!(message.reason.contains("which of the methods `go`"), "{}", message.reason);
 }

@@ -1,6 +1,6 @@
 //! Loops: loops that end, the main cycle of an application, and endless waits.
 
-use crate::evaluation::{MOVE, first_joints, goes, import, refused};
+use crate::evaluation::{MOVE, first_joints, import, joint_targets, refused_import};
 
 fn with_move(run: &str) -> String {
     run.replace("MOVE", MOVE)
@@ -18,10 +18,10 @@ fn a_loop_ends_when_its_condition_says_so() {
         ("double a = 0.1; MOVE while (true) { Thread.sleep(1000); }", &[0.1]),
     ];
     for (run, expected) in cases {
-        let found = goes("", &with_move(run));
-        assert_eq!(found.len(), expected.len(), "{run}: {found:?}");
-        for (found, expected) in found.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-12, "{run}: {found}, not {expected}");
+        let joints = joint_targets("", &with_move(run));
+        assert_eq!(joints.len(), expected.len(), "{run}: {joints:?}");
+        for (actual, expected) in joints.iter().zip(expected) {
+            assert!((actual - expected).abs() < 1e-12, "{run}: {actual}, not {expected}");
         }
     }
 }
@@ -33,12 +33,14 @@ fn a_loop_that_only_waits_is_not_the_cycle() {
         ("double a = 0.1; MOVE do { Thread.sleep(100); } while (!go); MOVE", "a key, a thread"),
         // Either of two inputs would end the loop.
         (
-            "double a = 0.1; MOVE while (!cell.getLeft() && !cell.getRight()) { Thread.sleep(100); } MOVE",
+            "double a = 0.1; MOVE while (!cell.getLeft() && !cell.getRight()) \
+             { Thread.sleep(100); } MOVE",
             "the input `Cell.Left`, for which no value is given",
         ),
         // The input is read in another statement.
         (
-            "double a = 0.1; boolean is = cell.getLeft(); while (!is) { Thread.sleep(9); is = cell.getLeft(); } MOVE",
+            "double a = 0.1; boolean is = cell.getLeft(); while (!is) \
+             { Thread.sleep(9); is = cell.getLeft(); } MOVE",
             "the input `Cell.Left`, for which no value is given",
         ),
         // The robot moves in the loop.
@@ -49,8 +51,8 @@ fn a_loop_that_only_waits_is_not_the_cycle() {
     ];
     let members = "private boolean go; @Inject private CellIOGroup cell;";
     for (run, reason) in cases {
-        let found = refused(members, &with_move(run));
-        assert!(found.reason.contains(reason), "{run}: {}", found.reason);
+        let message = refused_import(members, &with_move(run));
+        assert!(message.reason.contains(reason), "{run}: {}", message.reason);
     }
 }
 
@@ -61,25 +63,28 @@ fn an_input_that_is_waited_for_has_its_value_from_there_on() {
                if (cell.getOpen()) { a = 0.2; } MOVE";
     let import = import(members, &with_move(run)).unwrap();
     assert_eq!(first_joints(&import.program), [0.1]);
-    let asked: Vec<_> = import.questions.iter().map(|own| (&*own.asked, &*own.answer)).collect();
+    let asked: Vec<_> =
+        import.questions.iter().map(|question| (&*question.subject, &*question.answer)).collect();
     assert_eq!(asked[..2], [("Cell.Open", "false"); 2]);
-    assert!(import.questions.iter().all(|own| !own.is_given));
+    assert!(import.questions.iter().all(|question| !question.is_given));
     // A second loop that waits for the opposite value would never end.
-    let run = "double a = 0.1; while (!cell.getOpen()) Thread.sleep(100); while (cell.getOpen()) Thread.sleep(100); MOVE";
-    let found = refused(members, &with_move(run));
-    assert!(found.reason.contains("`Cell.Open`, which is taken as true"), "{}", found.reason);
+    let run = "double a = 0.1; while (!cell.getOpen()) Thread.sleep(100); while (cell.getOpen()) \
+        Thread.sleep(100); MOVE";
+    let message = refused_import(members, &with_move(run));
+    assert!(message.reason.contains("`Cell.Open`, which is taken as true"), "{}", message.reason);
 }
 
 #[test]
-fn a_loop_follows_what_its_turns_change_of_the_robot() {
+fn a_loop_follows_robot_changes_of_its_iterations() {
     let members = "@Inject private CellIOGroup cell;";
     // The loop sets and reads outputs.
-    let run = "cell.setLeft(0); double a = 0.1; while (cell.getLeft() < 3) { MOVE cell.setLeft(cell.getLeft() + 1); }";
-    assert_eq!(goes(members, &with_move(run)), [0.1; 3]);
+    let run = "cell.setLeft(0); double a = 0.1; while (cell.getLeft() < 3) \
+        { MOVE cell.setLeft(cell.getLeft() + 1); }";
+    assert_eq!(joint_targets(members, &with_move(run)), [0.1; 3]);
     // The loop reads the robot position.
     let run = "while (lbr.getCurrentJointPosition().get(0) < 0.45) { \
                double a = lbr.getCurrentJointPosition().get(0) + 0.2; MOVE }";
-    assert_eq!(goes(members, &with_move(run)).len(), 3);
+    assert_eq!(joint_targets(members, &with_move(run)).len(), 3);
     // The loop returns to its initial state.
     let run = "double a = 0; while (lbr.getCurrentJointPosition().get(0) < 0.45) { MOVE }";
     let import = import(members, &with_move(run)).unwrap();
@@ -87,9 +92,10 @@ fn a_loop_follows_what_its_turns_change_of_the_robot() {
 }
 
 #[test]
-fn what_a_branch_may_change_is_unknown_by_all_its_names() {
-    let members = "void fill(List<Double> own) { own.add(0.5); } void plain(double own) { } List<Double> all() { return all; }\n\
-         private List<Double> all = new ArrayList<Double>(Arrays.asList(0.2, 0.1));";
+fn values_changed_in_a_branch_are_unknown_by_all_aliases() {
+    let members = "void fill(List<Double> own) { own.add(0.5); } void plain(double own) { } \
+        List<Double> all() { return all; }\n\
+        private List<Double> all = new ArrayList<Double>(Arrays.asList(0.2, 0.1));";
     let cases = [
         "fill(all);",
         "Collections.sort(all);",
@@ -102,11 +108,12 @@ fn what_a_branch_may_change_is_unknown_by_all_its_names() {
     ];
     for change in cases {
         let run = format!(
-            "List<Double> alias = all;\nif (System.nanoTime() > 5) {{ {change} }} double a = all.get(0); MOVE"
+            "List<Double> alias = all;\nif (System.nanoTime() > 5) {{ {change} }} double a = \
+             all.get(0); MOVE"
         );
-        let found = refused(members, &with_move(&run));
-        assert!(found.reason.contains("clock"), "{change}: {}", found.reason);
+        let message = refused_import(members, &with_move(&run));
+        assert!(message.reason.contains("clock"), "{change}: {}", message.reason);
     }
     let run = "if (System.nanoTime() > 5) { plain(all.get(1)); } double a = all.get(0); MOVE";
-    assert_eq!(goes(members, &with_move(run)), [0.2]);
+    assert_eq!(joint_targets(members, &with_move(run)), [0.2]);
 }

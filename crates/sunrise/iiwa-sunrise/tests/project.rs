@@ -70,7 +70,7 @@ fn a_folder_that_is_none() {
 fn the_data_file() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
-    let found = |path: &str, text: &str| ProjectData::Found {
+    let with_data = |path: &str, text: &str| ProjectData::Found {
         path: path.to_owned(),
         text: text.to_owned(),
     };
@@ -78,16 +78,16 @@ fn the_data_file() {
     write(root, "RoboticsAPI.data.xml", "<around/>");
     let station = root.join("station");
     let data = |folder: &Path| Project::open(folder).unwrap().data().clone();
-    assert_eq!(data(&station), found("../RoboticsAPI.data.xml", "<around/>"));
+    assert_eq!(data(&station), with_data("../RoboticsAPI.data.xml", "<around/>"));
     write(root, "station/src/RoboticsAPI.data.xml", "\u{feff}<below/>");
-    assert_eq!(data(&station), found("src/RoboticsAPI.data.xml", "<below/>"));
+    assert_eq!(data(&station), with_data("src/RoboticsAPI.data.xml", "<below/>"));
     write(root, "station/bin/RoboticsAPI.data.xml", "<built/>");
-    assert_eq!(data(&station), found("src/RoboticsAPI.data.xml", "<below/>"));
+    assert_eq!(data(&station), with_data("src/RoboticsAPI.data.xml", "<below/>"));
     write(root, "station/other/RoboticsAPI.data.xml", "<other/>");
     let both = ["other/RoboticsAPI.data.xml", "src/RoboticsAPI.data.xml"].map(str::to_owned);
     assert_eq!(data(&station), ProjectData::Several(both.to_vec()));
     write(root, "station/RoboticsAPI.data.xml", "<here/>");
-    assert_eq!(data(&station), found("RoboticsAPI.data.xml", "<here/>"));
+    assert_eq!(data(&station), with_data("RoboticsAPI.data.xml", "<here/>"));
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn encodings() {
 }
 
 #[test]
-fn what_is_no_text() {
+fn binary_files_are_rejected() {
     let project = Project::from_texts([("A.java", b"class A {\n \0 }")]).unwrap();
     let error = project.files()[0].error().unwrap();
     assert_eq!((error.line, error.column, &error.fault), (2, 2, &SourceFault::Binary));
@@ -148,7 +148,7 @@ fn bounds() {
     let project =
         Project::from_texts([("A.java", &large), ("B.java", &b"class B { }".to_vec())]).unwrap();
     let error = project.files()[0].error().unwrap();
-    assert_eq!(error.fault, SourceFault::TooLarge { bytes: 10_000_001, most: 10_000_000 });
+    assert_eq!(error.fault, SourceFault::TooLarge { bytes: 10_000_001, max_bytes: 10_000_000 });
     assert!(project.files()[1].error().is_none());
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), "A.java", &large);
@@ -159,7 +159,10 @@ fn bounds() {
     let files = (0..11).map(|number| (format!("{number}.java"), blank));
     assert!(matches!(Project::from_texts(files), Err(ProjectError::TooLarge { .. })));
     let files = (0..10_001).map(|number| (format!("{number}.java"), ""));
-    assert!(matches!(Project::from_texts(files), Err(ProjectError::TooManyFiles { most: 10_000 })));
+    assert!(matches!(
+        Project::from_texts(files),
+        Err(ProjectError::TooManyFiles { max_files: 10_000 })
+    ));
 }
 
 #[test]

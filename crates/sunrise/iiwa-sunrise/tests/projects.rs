@@ -42,26 +42,26 @@ fn imported(folder: &Path) -> Result<Import, ImportError> {
 
 /// Returns the first difference between two documents. Numbers are compared to 1e-9, because sines
 /// differ in the last bits between machines.
-fn difference(at: &str, found: &Value, stated: &Value) -> Option<String> {
-    match (found, stated) {
+fn difference(path: &str, actual: &Value, stated: &Value) -> Option<String> {
+    match (actual, stated) {
         (Value::Object(a), Value::Object(b)) => {
             let keys = a.keys().chain(b.keys());
             let null = Value::Null;
             keys.into_iter().find_map(|key| {
-                let [a, b] = [a, b].map(|own| own.get(key).unwrap_or(&null));
-                difference(&format!("{at}.{key}"), a, b)
+                let [a, b] = [a, b].map(|object| object.get(key).unwrap_or(&null));
+                difference(&format!("{path}.{key}"), a, b)
             })
         }
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
             let pairs = a.iter().zip(b).enumerate();
-            pairs.into_iter().find_map(|(i, (a, b))| difference(&format!("{at}[{i}]"), a, b))
+            pairs.into_iter().find_map(|(i, (a, b))| difference(&format!("{path}[{i}]"), a, b))
         }
         (Value::Number(a), Value::Number(b)) => {
-            let [a, b] = [a, b].map(|own| own.as_f64().unwrap());
+            let [a, b] = [a, b].map(|value| value.as_f64().unwrap());
             let is_same = (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1.0);
-            (!is_same).then(|| format!("{at}: {a}, not {b}"))
+            (!is_same).then(|| format!("{path}: {a}, not {b}"))
         }
-        (a, b) => (a != b).then(|| format!("{at}: {a}, not {b}")),
+        (a, b) => (a != b).then(|| format!("{path}: {a}, not {b}")),
     }
 }
 
@@ -90,14 +90,14 @@ fn projects_are_imported_as_the_programs_that_they_are() {
                 continue;
             }
         };
-        let [found, expected] = [&import.program, &stated]
+        let [actual, expected] = [&import.program, &stated]
             .map(|program| serde_json::from_str::<Value>(&program.to_json()).unwrap());
-        if let Some(difference) = difference(&name, &found, &expected) {
+        if let Some(difference) = difference(&name, &actual, &expected) {
             wrong.push(difference);
             continue;
         }
-        for (found, stated) in end(&import.program).into_iter().zip(end(&stated)) {
-            assert!((found - stated).abs().to_degrees() < 1e-6, "{name}");
+        for (actual, stated) in end(&import.program).into_iter().zip(end(&stated)) {
+            assert!((actual - stated).abs().to_degrees() < 1e-6, "{name}");
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -111,7 +111,7 @@ struct Refused {
 }
 
 #[test]
-fn what_cannot_be_known_is_refused_with_its_place_and_reason() {
+fn unknown_values_are_rejected_with_place_and_reason() {
     let mut wrong = Vec::new();
     let folders = folders(&fixtures().join("refused"));
     assert!(folders.len() >= 10);
@@ -120,17 +120,17 @@ fn what_cannot_be_known_is_refused_with_its_place_and_reason() {
         let stated: Refused = toml::from_str(&stated).unwrap();
         let name = folder.file_name().unwrap().display().to_string();
         match imported(&folder) {
-            Err(ImportError::Refused(refused)) => {
+            Err(ImportError::Refused(refused_import)) => {
                 let place = Source { file: stated.file, line: stated.line };
-                if refused.source != place {
+                if refused_import.source != place {
                     wrong.push(format!(
                         "{name}: at {}, not {place}: {}",
-                        refused.source, refused.reason
+                        refused_import.source, refused_import.reason
                     ));
                 }
                 for part in stated.reason_contains {
-                    if !refused.reason.contains(&part) {
-                        wrong.push(format!("{name}: no {part:?} in {:?}", refused.reason));
+                    if !refused_import.reason.contains(&part) {
+                        wrong.push(format!("{name}: no {part:?} in {:?}", refused_import.reason));
                     }
                 }
             }

@@ -90,9 +90,9 @@ fn stated<const N: usize>(files: [(String, String); N]) -> (String, Option<f64>)
     robot(&imported(files, &ImportOptions::default()).unwrap())
 }
 
-fn asked(import: &Import) -> Vec<(QuestionKind, &str, bool)> {
-    let questions = import.questions.iter().filter(|own| own.kind != QuestionKind::Start);
-    questions.map(|own| (own.kind, own.answer.as_str(), own.is_given)).collect()
+fn questions_of(import: &Import) -> Vec<(QuestionKind, &str, bool)> {
+    let questions = import.questions.iter().filter(|question| question.kind != QuestionKind::Start);
+    questions.map(|question| (question.kind, question.answer.as_str(), question.is_given)).collect()
 }
 
 const SMALL: &str = "lbr_iiwa_7_r800";
@@ -111,7 +111,7 @@ fn the_station_states_robot_and_flange() {
             "StationSetup.cat:3 says Media flange electrical"
         ]
     );
-    assert!(asked(&import).is_empty() && import.notes.is_empty());
+    assert!(questions_of(&import).is_empty() && import.notes.is_empty());
     let touch = station("LBR_iiwa_7_R800_1", "Media flange Touch pneumatic");
     assert_eq!(stated([anonymous(), touch]), (SMALL.to_owned(), Some(152.0)));
 }
@@ -121,9 +121,9 @@ fn taught_frames_state_robot_and_flange() {
     for (device, name) in [("LBR_iiwa_7_R800_1", SMALL), ("Cabinet/LBR_iiwa_14_R820_1", LARGE)] {
         for flange_m in [0.126, 0.152] {
             let robot = Robot::built_in(name).unwrap().with_flange_m(flange_m).unwrap();
-            let found = stated([anonymous(), taught(device, &robot)]);
-            assert_eq!(found.0, name);
-            assert!((found.1.unwrap() - 1e3 * flange_m).abs() < 1e-9, "{device}: {found:?}");
+            let actual = stated([anonymous(), taught(device, &robot)]);
+            assert_eq!(actual.0, name);
+            assert!((actual.1.unwrap() - 1e3 * flange_m).abs() < 1e-9, "{device}: {actual:?}");
         }
     }
 }
@@ -136,7 +136,7 @@ fn java_states_the_robot() {
     let field = java("@Inject private LBR lbr; LBR lBR_iiwa_14_R820_1;", "");
     let import = imported([field], &ImportOptions::default()).unwrap();
     assert_eq!(robot(&import).0, LARGE);
-    assert_eq!(asked(&import), [(QuestionKind::Flange, "152", false)]);
+    assert_eq!(questions_of(&import), [(QuestionKind::Flange, "152", false)]);
     // The application's file has priority over others.
     let other = ("src/Other.java".to_owned(), "class Other { LBR lBR_iiwa_7_R800_1; }".to_owned());
     let field = java("@Inject private LBR lbr; LBR lBR_iiwa_14_R820_1;", "");
@@ -145,11 +145,11 @@ fn java_states_the_robot() {
 }
 
 #[test]
-fn what_is_not_stated_is_a_question() {
+fn missing_statements_are_questions() {
     let import = imported([anonymous()], &ImportOptions::default()).unwrap();
     assert_eq!(robot(&import), (SMALL.to_owned(), Some(152.0)));
     assert_eq!(
-        asked(&import),
+        questions_of(&import),
         [(QuestionKind::Robot, SMALL, false), (QuestionKind::Flange, "152", false)]
     );
     let answers = Answers::from_toml(&format!("robot = \"{LARGE}\"\nflange_mm = 126\n")).unwrap();
@@ -157,7 +157,7 @@ fn what_is_not_stated_is_a_question() {
     let import = imported([anonymous()], &options).unwrap();
     assert_eq!(robot(&import), (LARGE.to_owned(), Some(126.0)));
     assert_eq!(
-        asked(&import),
+        questions_of(&import),
         [(QuestionKind::Robot, LARGE, true), (QuestionKind::Flange, "126", true)]
     );
 }
@@ -212,16 +212,16 @@ fn a_station_with_two_robots_is_decided_by_the_others() {
 
 #[test]
 fn a_profile_says_all_of_a_robot() {
-    let own = Robot::default().with_flange_m(0.14).unwrap();
+    let with_flange = Robot::default().with_flange_m(0.14).unwrap();
     let options = ImportOptions {
-        robot: Some(own.clone()),
+        robot: Some(with_flange.clone()),
         robot_name: Some("own.json".to_owned()),
         ..ImportOptions::default()
     };
     let files = [anonymous(), station("LBR_iiwa_7_R800_1", "Basic flange")];
     let import = imported(files, &options).unwrap();
     assert_eq!(robot(&import), ("own.json".to_owned(), None));
-    assert_eq!(import.robot, own);
+    assert_eq!(import.robot, with_flange);
 }
 
 #[test]
@@ -240,7 +240,7 @@ fn a_station_that_cannot_be_read_is_a_note() {
     let broken = ("StationSetup.cat".to_owned(), "<ConfigurationProject>".to_owned());
     let import = imported([anonymous(), broken], &ImportOptions::default()).unwrap();
     assert!(import.notes[0].text.contains("StationSetup.cat cannot be used"), "{:?}", import.notes);
-    assert_eq!(asked(&import).len(), 2);
+    assert_eq!(questions_of(&import).len(), 2);
 }
 
 #[test]
@@ -260,9 +260,9 @@ fn an_exported_program_brings_its_robot_along() {
         let data_file = (ExportedProject::DATA_FILE.to_owned(), project.data_file.clone());
         [(project.java_file(), project.java), data_file]
     };
-    let own = || exported(LARGE, Robot::lbr_iiwa_14_r820());
-    assert_eq!(stated(own()), (LARGE.to_owned(), Some(126.0)));
-    assert!(imported(own(), &ImportOptions::default()).unwrap().questions.is_empty());
+    let small = || exported(LARGE, Robot::lbr_iiwa_14_r820());
+    assert_eq!(stated(small()), (LARGE.to_owned(), Some(126.0)));
+    assert!(imported(small(), &ImportOptions::default()).unwrap().questions.is_empty());
     // A profile is not part of the project.
     let error = imported(exported("own.json", Robot::default()), &ImportOptions::default());
     assert_eq!(error.unwrap_err(), ImportError::UnknownRobot("own.json".to_owned()));
@@ -272,7 +272,7 @@ fn an_exported_program_brings_its_robot_along() {
 fn the_start_is_a_question_until_it_is_given() {
     let is_asked = |options: &ImportOptions| {
         let import = imported([anonymous()], options).unwrap();
-        import.questions.iter().any(|own| own.kind == QuestionKind::Start)
+        import.questions.iter().any(|question| question.kind == QuestionKind::Start)
     };
     assert!(is_asked(&ImportOptions::default()));
     let start_rad = Some([0.0, 0.1, 0.0, -0.5, 0.0, 0.0, 0.0]);

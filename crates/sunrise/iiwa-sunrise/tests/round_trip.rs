@@ -52,7 +52,7 @@ fn assert_same(program: &Program) {
             assert!((before - after).abs() < 1e-9, "{before} {after}\n{}", first.java);
         }
     }
-    let moves = |program: &Program| program.motions.iter().filter(|own| own.moves()).count();
+    let moves = |program: &Program| program.motions.iter().filter(|motion| motion.moves()).count();
     assert_eq!(moves(program), moves(&again));
     let second = exported(&again);
     assert_eq!(imported(&second), again);
@@ -100,17 +100,17 @@ proptest! {
         start in joints(),
         mut motions in prop::collection::vec(motion(), 1..8),
         wait in (0.001..3.0_f64),
-        at in 0..8_usize,
+        position in 0..8_usize,
     ) {
         if let Some(Motion::Ptp(last)) = motions.last_mut() {
             last.blend = None;
         }
-        if let Some(Motion::Ptp(before)) = at.checked_sub(1).and_then(|at| motions.get_mut(at)) {
+        if let Some(Motion::Ptp(before)) = position.checked_sub(1).and_then(|before_position| motions.get_mut(before_position)) {
             before.blend = None;
         }
         // Whole milliseconds, which Java's sleep represents exactly.
         let seconds = (wait * 1e3).round() / 1e3;
-        motions.insert(at.min(motions.len()), Motion::Wait { seconds, overlap: 0 });
+        motions.insert(position.min(motions.len()), Motion::Wait { seconds, overlap: 0 });
         let mut program = Program::from_rad(start).build();
         program.motions = motions;
         let again = imported(&exported(&program));

@@ -17,7 +17,7 @@ fn messages_are_as_the_schema_says() {
 }
 
 #[test]
-fn the_schema_refuses_what_is_wrong() {
+fn the_schema_rejects_invalid_messages() {
     let schema = validator(&schema());
     let good = serde_json::to_value(&all()[0]).unwrap();
     for (key, wrong) in [

@@ -35,7 +35,8 @@ fn a_client_in_python_reads_everything() {
         .stdout(Stdio::piped());
     let mut client = child_processes::start(&mut command).unwrap();
 
-    // The arm turns about all axes at once: each joint is where this one joint is, but for an offset.
+    // The arm turns about all axes at once: each joint is where this one joint is, but for an
+    // offset.
     let started = Instant::now();
     while client.try_wait().unwrap().is_none() && started.elapsed() < Duration::from_mins(1) {
         let now = SystemTime::now();
@@ -49,9 +50,9 @@ fn a_client_in_python_reads_everything() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success(), "{text}");
 
-    let found: Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
-    let states = found["joint_states"].as_array().unwrap();
-    assert!(states.len() >= 20, "{found}");
+    let result: Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+    let states = result["joint_states"].as_array().unwrap();
+    assert!(states.len() >= 20, "{result}");
     for state in states {
         let positions: Vec<f64> = serde_json::from_value(state["position"].clone()).unwrap();
         let velocities: Vec<f64> = serde_json::from_value(state["velocity"].clone()).unwrap();
@@ -62,8 +63,8 @@ fn a_client_in_python_reads_everything() {
             assert!((velocities[joint] - 0.1).abs() < 0.05, "{state}");
         }
     }
-    assert_eq!(found["drive_state"], serde_json::to_value(status()).unwrap());
+    assert_eq!(result["drive_state"], serde_json::to_value(status()).unwrap());
     let expected = json!({ "values": [{ "name": "gripper_closed", "value": 1 }] });
-    assert_eq!(found["inputs_outputs"], expected);
-    assert_eq!(found["sensors"], Value::Null);
+    assert_eq!(result["inputs_outputs"], expected);
+    assert_eq!(result["sensors"], Value::Null);
 }

@@ -51,8 +51,8 @@ impl Viewer {
             let Ok(ServerMessage::Advertise(advertised)) = ServerMessage::try_from(&message) else {
                 panic!("{message:?}");
             };
-            let found = advertised.into_owned().channels.into_iter();
-            viewer.channels.extend(found.map(|channel| (channel.topic.to_string(), channel)));
+            let channels = advertised.into_owned().channels.into_iter();
+            viewer.channels.extend(channels.map(|channel| (channel.topic.to_string(), channel)));
         }
         viewer
     }

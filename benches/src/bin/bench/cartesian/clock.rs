@@ -8,7 +8,7 @@ use std::{
 use iiwasim_benches::Result;
 
 /// Minimum number of runs.
-const LEAST_RUNS: u32 = 20;
+const MIN_RUNS: u32 = 20;
 /// Total time after which no more runs are started.
 const LONG: Duration = Duration::from_millis(60);
 
@@ -16,7 +16,7 @@ const LONG: Duration = Duration::from_millis(60);
 pub(crate) fn fastest_s<T>(work: impl Fn() -> Result<T>) -> Result<f64> {
     let began = Instant::now();
     let (mut runs, mut fastest) = (0, Duration::MAX);
-    while runs < LEAST_RUNS || began.elapsed() < LONG {
+    while runs < MIN_RUNS || began.elapsed() < LONG {
         let start = Instant::now();
         let made = black_box(work()?);
         fastest = fastest.min(start.elapsed());

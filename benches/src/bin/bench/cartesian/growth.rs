@@ -15,15 +15,16 @@ const TIPS: usize = 40;
 /// Distances of the tips from the centre, in mm.
 const RADII_MM: [f64; 2] = [80.0, 100.0];
 /// Minimum number of planned programs per length, and minimum number of planned motions.
-const LEAST_RUNS: usize = 3;
+const MIN_RUNS: usize = 3;
 const MOTIONS: usize = 300;
 
 /// Prints a table for programs of these numbers of motions.
 pub(crate) fn print(lengths: &[usize]) -> Result<()> {
     println!("### growth\n");
     println!(
-        "LINs around a star in a vertical plane, {TIPS} tips, each line some 24 mm: with blends of `cart_mm` 5, and with \
-         stops. Time a motion, the fastest of at least {LEAST_RUNS} runs, section by section.\n"
+        "LINs around a star in a vertical plane, {TIPS} tips, each line some 24 mm: with blends of \
+         `cart_mm` 5, and with stops. Time a motion, the fastest of at least {MIN_RUNS} runs, \
+         section by section.\n"
     );
     println!("| motions | | path | acceleration | jerk | jerk, over that of the first row |");
     println!("|---:|---|---:|---:|---:|---:|");
@@ -34,7 +35,8 @@ pub(crate) fn print(lengths: &[usize]) -> Result<()> {
             let [path_us, acceleration_us, jerk_us] = us;
             let first_us = *first_us.get_or_insert(jerk_us);
             println!(
-                "| {motions} | {} | {path_us:.1} us | {acceleration_us:.1} us | {jerk_us:.1} us | {:.2} |",
+                "| {motions} | {} | {path_us:.1} us | {acceleration_us:.1} us | {jerk_us:.1} us | \
+                 {:.2} |",
                 if blend.is_some() { "blended" } else { "stops" },
                 jerk_us / first_us,
             );
@@ -69,7 +71,7 @@ fn measure(program: &Program, motions: usize) -> Result<[f64; 3]> {
     let robot = Robot::lbr_iiwa_7_r800();
     let mut fastest_s = [f64::INFINITY; 3];
     let timings = [Timing::Acceleration(SweepOptions::default()), Timing::jerk_limited()];
-    for _ in 0..LEAST_RUNS.max(MOTIONS / motions) {
+    for _ in 0..MIN_RUNS.max(MOTIONS / motions) {
         let mut start = Instant::now();
         let path = JointPath::new(program, &robot)?;
         let mut times_s = [start.elapsed().as_secs_f64(), 0.0, 0.0];

@@ -18,8 +18,8 @@ pub(crate) fn print() -> Result<()> {
     let moves = path.steps().iter().filter(|step| step.moves()).count();
     println!("### ten mixed motions\n");
     println!(
-        "`benches/src/bin/bench/cartesian/mixed.json`: {} motions to frames and joints, LIN, CIRC, spline; a tool, a base, \
-         {} blends, {moves} segments.\n",
+        "`benches/src/bin/bench/cartesian/mixed.json`: {} motions to frames and joints, LIN, CIRC, \
+         spline; a tool, a base, {} blends, {moves} segments.\n",
         program.motions.len(),
         path.blends().count(),
     );

@@ -14,7 +14,7 @@ use super::{straight::Straight, trapezoid::Trapezoid};
 const RATE_HZ: f64 = 1000.0;
 /// Number of tested ratios of the ramp to the duration, from the smallest to a half.
 const SHARES: u32 = 32;
-const LEAST_SHARE: f64 = 0.005;
+const MIN_SHARE: f64 = 0.005;
 /// Number of golden-section steps that then refine the best ratio.
 const GOLDEN: usize = 16;
 /// Relative precision of durations and factors.
@@ -102,23 +102,23 @@ fn best(line: &Straight<'_>, robot: &Robot) -> Result<Trapezoid> {
         }
         Ok(duration_s)
     };
-    let share = |x: f64| LEAST_SHARE * (0.5 / LEAST_SHARE).powf(x.clamp(0.0, 1.0));
+    let share = |x: f64| MIN_SHARE * (0.5 / MIN_SHARE).powf(x.clamp(0.0, 1.0));
     let mut tried = Vec::new();
     for i in 0..SHARES {
         let x = f64::from(i) / f64::from(SHARES - 1);
         tried.push((least_s(share(x))?, x));
     }
-    let (mut fastest_s, mut at) =
+    let (mut fastest_s, mut best) =
         tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).ok_or("nothing was tried")?;
     let step = f64::from(SHARES - 1).recip();
-    let (mut low, mut high) = (at - step, at + step);
+    let (mut low, mut high) = (best - step, best + step);
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     for _ in 0..GOLDEN {
         let [a, b] = [high - golden * (high - low), low + golden * (high - low)];
         let [a_s, b_s] = [least_s(share(a))?, least_s(share(b))?];
         for (found_s, x) in [(a_s, a), (b_s, b)] {
             if found_s < fastest_s {
-                (fastest_s, at) = (found_s, x);
+                (fastest_s, best) = (found_s, x);
             }
         }
         if a_s < b_s {
@@ -127,21 +127,21 @@ fn best(line: &Straight<'_>, robot: &Robot) -> Result<Trapezoid> {
             low = a;
         }
     }
-    let of = |duration_s: f64| Trapezoid::with_ramp(share(at), duration_s);
+    let profile = |duration_s: f64| Trapezoid::with_ramp(share(best), duration_s);
     // From here on with samples at exactly 1 kHz.
     let (mut slow_s, mut fast_s) = (fastest_s, 0.98 * fastest_s);
-    while !passes(line, robot, &of(slow_s))? {
+    while !passes(line, robot, &profile(slow_s))? {
         slow_s *= 1.01;
     }
     while slow_s - fast_s > PRECISION * slow_s {
         let middle_s = 0.5 * (slow_s + fast_s);
-        if passes(line, robot, &of(middle_s))? {
+        if passes(line, robot, &profile(middle_s))? {
             slow_s = middle_s;
         } else {
             fast_s = middle_s;
         }
     }
-    Ok(of(slow_s))
+    Ok(profile(slow_s))
 }
 
 /// Returns Pilz' trapezoid, with its limits times a factor. The path length is the TCP distance, or

@@ -12,7 +12,8 @@ pub(crate) fn print() -> Result<()> {
     let cases = cartesian_cases();
     println!("### one motion\n");
     println!(
-        "LIN and CIRC, the {} of `fixtures/reference/cartesian.json`, each the fastest of many runs.\n",
+        "LIN and CIRC, the {} of `fixtures/reference/cartesian.json`, each the fastest of many \
+         runs.\n",
         cases.len()
     );
     println!("| | median | worst | which | target | over it |");
@@ -29,7 +30,7 @@ fn plan(path: &JointPath, timing: Timing) -> Result<Trajectory> {
 }
 
 fn row<T>(
-    what: &str,
+    label: &str,
     cases: &[CartesianCase],
     target: f64,
     per_s: f64,
@@ -39,7 +40,7 @@ fn row<T>(
     let mut times = Vec::new();
     for case in cases {
         let time_s = fastest_s(|| work(JointPath::new(&case.program, &case.robot)?))
-            .map_err(|error| format!("{what}, {}: {error}", case.id))?;
+            .map_err(|error| format!("{label}, {}: {error}", case.id))?;
         times.push((time_s, case.id.as_str()));
     }
     times.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -49,7 +50,8 @@ fn row<T>(
         let worst = per_s * worst_s;
         let over = sorted.iter().filter(|&&time_s| per_s * time_s > target).count();
         println!(
-            "| {what} | {median:.3} {unit} | {worst:.3} {unit} | {id} | {target} {unit} | {over} of {} |",
+            "| {label} | {median:.3} {unit} | {worst:.3} {unit} | {id} | {target} {unit} | {over} \
+             of {} |",
             sorted.len()
         );
     }

@@ -15,12 +15,12 @@ use super::{
 
 const SEED: u64 = 1;
 /// Required median ratio of the duration of Pilz' motion with its default limits to the planner's.
-const LEAST_ADVANTAGE: f64 = 1.25;
+const MIN_ADVANTAGE: f64 = 1.25;
 /// Largest deviation between both joint paths, in rad.
 const SAME_PATH_RAD: f64 = 1e-6;
 /// Smallest accepted ratio: the best trapezoid obeys the same limits on the same path, so it cannot
 /// be faster than the time-optimal motion, except for violations between its samples.
-const LEAST_RATIO: f64 = 0.995;
+const MIN_RATIO: f64 = 0.995;
 
 /// Length above which LINs have additional rows, in m: short LINs are nearly straight in joint
 /// space, where a trapezoid is optimal.
@@ -37,12 +37,14 @@ struct Compared {
 pub(crate) fn print(lines: u64) -> Result<bool> {
     println!("### against one trapezoid\n");
     println!(
-        "The peer: TCP and orientation go by one s(t) from 0 to 1, the position straight, the orientation about one fixed \
-         axis, A3 evenly, as the LIN does. ds/dt is a symmetric trapezoid from rest to rest. Joints come by inverse \
-         kinematics at 1 kHz; differences of them, with the arm at rest before and after, have to keep each joint's \
-         velocity and acceleration. Best: the fastest of all trapezoids that do (over both s'max and s''max). One factor: \
-         {PILZ_SPEED_M_S} m/s, {PILZ_ACCELERATION_M_S2} m/s^2 and {PILZ_TURN_RAD_S} rad/s of the TCP (defaults of Pilz), \
-         speed and acceleration times the same factor, the largest; or the largest up to 1.\n"
+        "The peer: TCP and orientation go by one s(t) from 0 to 1, the position straight, the \
+         orientation about one fixed axis, A3 evenly, as the LIN does. ds/dt is a symmetric \
+         trapezoid from rest to rest. Joints come by inverse kinematics at 1 kHz; differences of \
+         them, with the arm at rest before and after, have to keep each joint's velocity and \
+         acceleration. Best: the fastest of all trapezoids that do (over both s'max and s''max). \
+         One factor: {PILZ_SPEED_M_S} m/s, {PILZ_ACCELERATION_M_S2} m/s^2 and {PILZ_TURN_RAD_S} \
+         rad/s of the TCP (defaults of Pilz), speed and acceleration times the same factor, the \
+         largest; or the largest up to 1.\n"
     );
     let compared = (0..lines)
         .into_par_iter()
@@ -50,33 +52,33 @@ pub(crate) fn print(lines: u64) -> Result<bool> {
         .filter_map(std::result::Result::transpose)
         .collect::<std::result::Result<Vec<_>, String>>()?;
     println!(
-        "{} of {lines} random LINs (the others are refused); their duration over that of the planner, limits of \
-         acceleration:\n",
+        "{} of {lines} random LINs (the others are refused); their duration over that of the \
+         planner, limits of acceleration:\n",
         compared.len()
     );
     println!("| | least | quartile | median | quartile | most |");
     println!("|---|---:|---:|---:|---:|---:|");
     let mut rows = Vec::new();
     for (from, least_m) in [("", 0.0), (", 300 mm and more", LONG_M)] {
-        for (i, what) in RIVALS.iter().enumerate() {
+        for (i, rival) in RIVALS.iter().enumerate() {
             let lines = compared.iter().filter(|line| line.way_m >= least_m);
             let mut ratios: Vec<f64> = lines.map(|line| line.ratios[i]).collect();
             if ratios.is_empty() {
                 return Err("none of the LINs can be done".into());
             }
             ratios.sort_by(f64::total_cmp);
-            let of = [0, 25, 50, 75, 100].map(|percent| quantile(&ratios, percent));
-            let cells = of.map(|ratio| format!("{ratio:.3}")).join(" | ");
-            println!("| {what}{from} ({}) | {cells} |", ratios.len());
-            rows.push(of);
+            let quantiles = [0, 25, 50, 75, 100].map(|percent| quantile(&ratios, percent));
+            let cells = quantiles.map(|ratio| format!("{ratio:.3}")).join(" | ");
+            println!("| {rival}{from} ({}) | {cells} |", ratios.len());
+            rows.push(quantiles);
         }
     }
-    let (least, median) = (rows[0][0], rows[2][2]);
+    let (lowest, median) = (rows[0][0], rows[2][2]);
     println!(
-        "\nRequired: {LEAST_ADVANTAGE} in the median with one factor up to 1; {LEAST_RATIO} at least with the best, which keeps \
-         the same limits on the same path."
+        "\nRequired: {MIN_ADVANTAGE} in the median with one factor up to 1; {MIN_RATIO} at least \
+         with the best, which keeps the same limits on the same path."
     );
-    Ok(median >= LEAST_ADVANTAGE && least >= LEAST_RATIO)
+    Ok(median >= MIN_ADVANTAGE && lowest >= MIN_RATIO)
 }
 
 /// Compares a LIN of the seed; `None` if it is infeasible.

@@ -27,7 +27,8 @@ pub(super) fn run() -> Result<()> {
     let mut planning = request.begin(&ProgramSource::from(import.program))?;
     planning.by_ref().try_for_each(|section| section.map(drop))?;
     println!(
-        "import: an application of {moving} motions, {:.0} s on the robot: imported in {:.0} ms, planned after {:.2} s, {:.0} MB at most",
+        "import: an application of {moving} motions, {:.0} s on the robot: imported in {:.0} ms, \
+         planned after {:.2} s, {:.0} MB at most",
         planning.figures().cycle_time_s,
         1e3 * imported.as_secs_f64(),
         begin.elapsed().as_secs_f64(),

@@ -14,9 +14,9 @@ impl SystemClock {
         Self { now: Instant::now(), now_us: micros(since) }
     }
 
-    pub(crate) fn us(&self, at: Instant) -> i64 {
-        let ahead = at.saturating_duration_since(self.now);
-        self.now_us + micros(ahead) - micros(self.now.saturating_duration_since(at))
+    pub(crate) fn us(&self, instant: Instant) -> i64 {
+        let ahead = instant.saturating_duration_since(self.now);
+        self.now_us + micros(ahead) - micros(self.now.saturating_duration_since(instant))
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct Measured {
 
 impl Measured {
     /// Number of messages without any answer.
-    pub(crate) fn never(&self) -> u64 {
+    pub(crate) fn unanswered(&self) -> u64 {
         self.cabinet.cycles - self.cabinet.answered
     }
 
@@ -83,13 +83,13 @@ pub(crate) fn measure(case: &Case) -> Result<Option<Measured>> {
     let mut cabinet =
         Part::start(Command::new(&this).args(["realtime", "--part", "cabinet", &period, &text]))?;
     let runs = run_trajectories(&sockets, Duration::from_secs(case.seconds))?;
-    let cabinet = cabinet.ask()?;
-    let drive = drive.ask()?;
-    let subscribers = subscribers.map(|mut part| part.ask()).transpose()?;
+    let cabinet = cabinet.query()?;
+    let drive = drive.query()?;
+    let subscribers = subscribers.map(|mut part| part.query()).transpose()?;
     let mut still = None;
     if let Some(mut witnesses) = witnesses {
         let sections: Vec<Vec<Section>> =
-            witnesses.iter_mut().map(Part::ask).collect::<Result<_>>()?;
+            witnesses.iter_mut().map(Part::query).collect::<Result<_>>()?;
         still = Some(joined(sections.concat()));
     }
     Ok(Some(Measured { cabinet, drive, subscribers, runs, still }))

@@ -28,10 +28,10 @@ impl Part {
         let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
         let input = process.stdin.take();
         let output = process.stdout.take().ok_or("no output")?;
-        let (tell, lines) = mpsc::channel();
+        let (sender, lines) = mpsc::channel();
         thread::spawn(move || {
             let lines = BufReader::new(output).lines().map_while(io::Result::ok);
-            lines.for_each(|line| drop(tell.send(line)));
+            lines.for_each(|line| drop(sender.send(line)));
         });
         let part = Self { process, input, lines };
         part.line()?;
@@ -44,7 +44,7 @@ impl Part {
     }
 
     /// Requests the report of the process.
-    pub(crate) fn ask<T: DeserializeOwned>(&mut self) -> Result<T> {
+    pub(crate) fn query<T: DeserializeOwned>(&mut self) -> Result<T> {
         writeln!(self.input.as_mut().ok_or("no input")?)?;
         Ok(serde_json::from_str(&self.line()?)?)
     }

@@ -28,19 +28,19 @@ pub(crate) fn run_trajectories(sockets: &Sockets, time: Duration) -> Result<Runs
     let end = Instant::now() + time;
     let pause = Duration::from_secs(1);
     let trajectory = there_and_back()?;
-    let takes = Duration::from_secs_f64(trajectory.duration_s());
+    let duration = Duration::from_secs_f64(trajectory.duration_s());
     let mut client = Client::new(&Remote::open(), &sockets.instructions)?;
     let mut runs = Runs::default();
     loop {
         let left = end.saturating_duration_since(Instant::now());
         // A trajectory that begins must end in time.
-        if left < pause + takes + pause {
+        if left < pause + duration + pause {
             thread::sleep(left);
             return Ok(runs);
         }
         thread::sleep(pause);
         runs.begun += 1;
-        match client.run_trajectory(trajectory.clone(), Some(takes + Duration::from_secs(10))) {
+        match client.run_trajectory(trajectory.clone(), Some(duration + Duration::from_secs(10))) {
             Ok(_) => runs.done += 1,
             Err(error) => {
                 runs.error = error.to_string();

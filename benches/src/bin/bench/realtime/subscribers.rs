@@ -48,12 +48,12 @@ pub(crate) struct Subscribers {
 const LIVE: usize = 9;
 
 /// Subscribes until the input ends.
-pub(crate) fn be_subscribers(at: &str) -> Result<()> {
-    let sleeper = Sleeper::new(at)?;
+pub(crate) fn be_subscribers(address: &str) -> Result<()> {
+    let sleeper = Sleeper::new(address)?;
     let live = Arc::new(Mutex::new([Followed::default(); LIVE]));
     let remote = Remote::open();
     for i in 0..LIVE {
-        let mut stream = Stream::new(&remote, at)?;
+        let mut stream = Stream::new(&remote, address)?;
         let live = Arc::clone(&live);
         thread::spawn(move || {
             while let Ok(published) = stream.next(Duration::from_secs(1)) {
@@ -77,13 +77,13 @@ struct Sleeper {
 }
 
 impl Sleeper {
-    fn new(at: &str) -> Result<Self> {
+    fn new(address: &str) -> Result<Self> {
         let socket = zmq::Context::new().socket(zmq::SUB)?;
         // The smallest buffers, so that the subscriber stores next to nothing.
         socket.set_rcvhwm(1)?;
         socket.set_rcvbuf(4096)?;
         socket.set_subscribe(b"joints")?;
-        socket.connect(at)?;
+        socket.connect(address)?;
         Ok(Self { socket })
     }
 

@@ -20,7 +20,8 @@ pub(crate) fn print_table(program: &Program) -> Result<()> {
         };
         let worst = extremes(&trajectory, timing);
         println!(
-            "{}: {:.6} s in motion; velocity jumps by {:.1e}, acceleration by {:.1e}, backwards at {:.1e}",
+            "{}: {:.6} s in motion; velocity jumps by {:.1e}, acceleration by {:.1e}, backwards at \
+             {:.1e}",
             timing.name(),
             trajectory.motion_time_s(),
             worst.jumps[0],
@@ -43,11 +44,12 @@ pub(crate) fn print_table(program: &Program) -> Result<()> {
         for section in trajectory.sections() {
             for piece in section.pieces() {
                 let nodes = section.nodes(piece);
-                let found =
+                let extremes =
                     piece_extremes(&trajectory, section, piece, timing, &Extremes::default());
-                let [velocity, acceleration, jerk] = shown(&found);
+                let [velocity, acceleration, jerk] = shown(&extremes);
                 println!(
-                    "{step:>6} {:>6} {:>6} {:>12.6} {:>12.3e} {:>5}  {velocity:<34} {acceleration:<34} {jerk:<34}",
+                    "{step:>6} {:>6} {:>6} {:>12.6} {:>12.3e} {:>5}  {velocity:<34} \
+                     {acceleration:<34} {jerk:<34}",
                     piece.motion.to_string(),
                     piece.kind.name(),
                     piece.start_s,
@@ -60,17 +62,18 @@ pub(crate) fn print_table(program: &Program) -> Result<()> {
         println!();
     }
     println!(
-        "ratio (~ where rounding shows), joint @ node + share of the interval after it, p, length of the interval in s"
+        "ratio (~ where rounding shows), joint @ node + share of the interval after it, p, length \
+         of the interval in s"
     );
     Ok(())
 }
 
-fn shown(found: &Extremes) -> [String; 3] {
+fn shown(extremes: &Extremes) -> [String; 3] {
     std::array::from_fn(|kind| {
-        let peak = found.peaks()[kind];
+        let peak = extremes.peaks()[kind];
         let Some(joint) = peak.joint else { return "-".to_owned() };
         let Peak { ratio, node, share, p, interval_s, .. } = peak;
-        let mark = if peak == found.blurred[kind] { "~" } else { "" };
+        let mark = if peak == extremes.blurred[kind] { "~" } else { "" };
         format!("{mark}{ratio:.4} {joint} @{node}+{share:.2} {p:.5} {interval_s:.0e}")
     })
 }

@@ -86,8 +86,8 @@ impl Tally {
         self.programs += 1;
         self.motions += motions;
         self.redraws += drawn.redraws;
-        let add = |worst: &mut [Worst], found: &[f64]| {
-            worst.iter_mut().zip(found).for_each(|(worst, found)| worst.add(*found, index));
+        let add = |worst: &mut [Worst], ratios: &[f64]| {
+            worst.iter_mut().zip(ratios).for_each(|(worst, ratio)| worst.add(*ratio, index));
         };
         add(&mut self.instants, &verdict.instants);
         add(&mut self.clear, &verdict.clear);
@@ -130,7 +130,8 @@ impl fmt::Display for Tally {
         let Self { programs, motions, redraws, failed, refused, .. } = self;
         writeln!(
             f,
-            "{}: {programs} programs, {motions} motions, {redraws} redraws; {failed} failed, {refused} refused",
+            "{}: {programs} programs, {motions} motions, {redraws} redraws; {failed} failed, \
+             {refused} refused",
             self.family.name()
         )?;
         let list =
@@ -154,15 +155,16 @@ impl fmt::Display for Tally {
         if let Some(median_s) = plans_s.get(plans_s.len() / 2) {
             write!(
                 f,
-                "; the longest plan of {FEW_MOTIONS} motions and less took {:.1} ms ({}), {:.0} times the median",
+                "; the longest plan of {FEW_MOTIONS} motions and less took {:.1} ms ({}), {:.0} \
+                 times the median",
                 1e3 * self.longest_s.value,
                 self.longest_s.index,
                 self.longest_s.value / median_s
             )?;
         }
-        for (what, programs) in &self.failures {
+        for (message, programs) in &self.failures {
             let some = &programs[..programs.len().min(SHOWN)];
-            write!(f, "\n  {}: {what}, as {some:?}", programs.len())?;
+            write!(f, "\n  {}: {message}, as {some:?}", programs.len())?;
         }
         Ok(())
     }

@@ -58,12 +58,12 @@ fn run_real(
     let request = Request::motions(trial.program.clone()).labelled(label);
     let run = execute_with_progress(line, &request, plan.cycle_time_s(), Progress::of_run());
     let measured = run.result.map_err(|error| {
-        let what = match error {
+        let message = match error {
             ClientError::Refused { .. } => "was not run to its end",
             // A motion continues without the drive.
             _ => "broke off, the robot may still be moving",
         };
-        connection::failed(&format!("{} {what}", trial.name), &error)
+        connection::failed(&format!("{} {message}", trial.name), &error)
     })?;
     if measured.samples_left_out > 0 {
         print_note(&format!(

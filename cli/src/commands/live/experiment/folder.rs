@@ -35,8 +35,8 @@ impl Folder {
         let full = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
         if of_robot && full {
             return Err(Failure::input(format!(
-                "{} is not empty; recordings of a robot are not written over other files: name another \
-                 folder with --output",
+                "{} is not empty; recordings of a robot are not written over other files: name \
+                 another folder with --output",
                 path.display()
             )));
         }

@@ -43,7 +43,7 @@ pub(super) fn run(options: &Import) -> Result<(), Failure> {
     let robot = options.robot.as_deref().map_or_else(default_robot, find_robot)?;
     let Text { name, text } = Text::read(&project)?;
     let file = DataFile::from_xml(&text)
-        .map_err(|error| Failure::in_text(&error.what(), error.place(), &name, &text))?;
+        .map_err(|error| Failure::in_text(&error.message(), error.place(), &name, &text))?;
     let cell = ImportedCell::new(&file);
     if cell.tools.is_empty() && cell.frames.is_empty() {
         return Err(Failure::input(format!("{name} has neither frames nor tools")));
@@ -54,7 +54,8 @@ pub(super) fn run(options: &Import) -> Result<(), Failure> {
     let report = ImportReport::new(Path::new(&name), &file, &cell, &robot, target);
     if let Some(model) = report.taught_on() {
         print_note(&format!(
-            "Note: the frames were taught on another robot than {}; --robot {model} checks them on that\n",
+            "Note: the frames were taught on another robot than {}; --robot {model} checks them on \
+             that\n",
             robot.name()
         ));
     }
@@ -64,22 +65,22 @@ pub(super) fn run(options: &Import) -> Result<(), Failure> {
 /// Finds the data file of the project in a folder, or below it: the nearest one; that of the
 /// sources has priority over copies.
 fn data_file(folder: &Path) -> Result<PathBuf, Failure> {
-    let refuse = |error: io::Error| {
+    let to_failure = |error: io::Error| {
         Failure::input(format!("cannot read the folder {}: {error}", folder.display()))
     };
     let mut folders = vec![folder.to_owned()];
     for _ in 0..=DEPTH {
-        let mut found: Vec<_> = folders
+        let mut entries: Vec<_> = folders
             .iter()
             .map(|folder| folder.join(DATA_FILE))
             .filter(|file| file.is_file())
             .collect();
-        found.sort();
-        let sources: Vec<_> = found
+        entries.sort();
+        let sources: Vec<_> = entries
             .iter()
             .filter(|file| file.parent().is_some_and(|folder| folder.ends_with("src")))
             .collect();
-        match (found.as_slice(), sources.as_slice()) {
+        match (entries.as_slice(), sources.as_slice()) {
             ([], _) => {}
             ([only], _) => return Ok(only.clone()),
             (_, [source]) => return Ok(PathBuf::clone(source)),
@@ -97,7 +98,7 @@ fn data_file(folder: &Path) -> Result<PathBuf, Failure> {
             // Unreadable subfolders contain no project of this user.
             let entries = match fs::read_dir(folder) {
                 Ok(entries) => entries,
-                Err(error) if folders.len() == 1 => return Err(refuse(error)),
+                Err(error) if folders.len() == 1 => return Err(to_failure(error)),
                 Err(_) => continue,
             };
             below.extend(entries.flatten().map(|entry| entry.path()).filter(|path| path.is_dir()));

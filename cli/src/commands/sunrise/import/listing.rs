@@ -29,13 +29,14 @@ pub(super) fn run(
     applications: Vec<Found>,
     json: bool,
 ) -> Result<(), Failure> {
-    let names: Vec<_> = applications.iter().map(|own| own.qualified_name.clone()).collect();
+    let names: Vec<_> =
+        applications.iter().map(|application| application.qualified_name.clone()).collect();
     let rows: Vec<_> = applications
         .into_iter()
-        .map(|own| {
+        .map(|application| {
             // The file name distinguishes copies of an application.
-            let copies = names.iter().filter(|name| **name == own.qualified_name).count();
-            let name = if copies > 1 { &own.file } else { &own.qualified_name };
+            let copies = names.iter().filter(|name| **name == application.qualified_name).count();
+            let name = if copies > 1 { &application.file } else { &application.qualified_name };
             let (motions, questions, refused) = match project.import(Some(name)) {
                 Ok(Import { program, questions, .. }) => {
                     (Some(program.motions.len()), questions.len(), None)
@@ -47,8 +48,15 @@ pub(super) fn run(
                 }
                 Err(error) => (None, 0, Some(error.to_string())),
             };
-            let (file, line) = (own.file, own.line);
-            Listed { application: own.qualified_name, file, line, motions, questions, refused }
+            let (file, line) = (application.file, application.line);
+            Listed {
+                application: application.qualified_name,
+                file,
+                line,
+                motions,
+                questions,
+                refused,
+            }
         })
         .collect();
     if json {

@@ -97,7 +97,8 @@ fn write_data(
     for entry in &missing {
         let _ = writeln!(text, "- {}", printable(&entry.to_string()));
     }
-    text += "Fill it in (x, y, z in mm, a, b, c in rad), and put it into the project as RoboticsAPI.data.xml.\n";
+    text += "Fill it in (x, y, z in mm, a, b, c in rad), and put it into the project as \
+        RoboticsAPI.data.xml.\n";
     output::print(&text)
 }
 
@@ -124,6 +125,6 @@ fn beside(target: &Path, robot: &str, overwrite: bool) -> Result<String, Failure
 
 /// Returns the path of the program: by default, named after the application.
 fn target(options: &ImportArgs, name: &str) -> Option<PathBuf> {
-    let own = || Path::new(name).with_extension("json");
-    (!options.no_output).then(|| options.output.clone().unwrap_or_else(own))
+    let default_path = || Path::new(name).with_extension("json");
+    (!options.no_output).then(|| options.output.clone().unwrap_or_else(default_path))
 }

@@ -98,9 +98,9 @@ impl ProgramReport {
         if let Some(flange_mm) = self.flange_mm {
             let _ = write!(text, ", flange {flange_mm} mm");
         }
-        for own in &self.stated {
-            let (file, words) = (printable(&own.file), printable(&own.text));
-            let _ = write!(text, "\n  {file}:{}: {words}", own.line);
+        for statement in &self.stated {
+            let (file, words) = (printable(&statement.file), printable(&statement.text));
+            let _ = write!(text, "\n  {file}:{}: {words}", statement.line);
         }
         text + "\n\n"
     }
@@ -123,11 +123,11 @@ impl ProgramReport {
         }
         if !self.questions.is_empty() {
             let mut table = table(&["question", "answer", "option"]);
-            for own in &self.questions {
+            for question in &self.questions {
                 table.add_row([
-                    printable(&own.asked),
-                    printable(&own.shown_answer()),
-                    if own.is_given { String::new() } else { printable(&own.option()) },
+                    printable(&question.asked),
+                    printable(&question.shown_answer()),
+                    if question.is_given { String::new() } else { printable(&question.option()) },
                 ]);
             }
             let _ = write!(text, "\n{table}\n");
@@ -160,7 +160,7 @@ fn flange_mm(program: &Program) -> Option<f64> {
 fn kind(motion: &Motion) -> &'static str {
     match motion {
         Motion::Ptp(_) => "ptp",
-        Motion::Cartesian(own) => own.name(),
+        Motion::Cartesian(cartesian) => cartesian.name(),
         Motion::Wait { .. } => "wait",
         Motion::Load(_) => "load",
     }
@@ -191,7 +191,7 @@ impl QuestionRow {
                 QuestionKind::Tool => "tool",
                 _ => "process data",
             },
-            asked: question.asked.clone(),
+            asked: question.subject.clone(),
             choices: question.choices.clone(),
             answer: question.answer.clone(),
             is_given: question.is_given,

@@ -47,8 +47,8 @@ unsafe extern "C" fn fmi3InstantiateCoSimulation(
 ) -> Option<Box<FmuInstance>> {
     let arguments = || {
         if event_mode_used || n_required_intermediate_variables > 0 {
-            let what = "this FMU has neither an event mode nor intermediate variables";
-            return Err(Failure::argument(what));
+            let message = "this FMU has neither an event mode nor intermediate variables";
+            return Err(Failure::argument(message));
         }
         // SAFETY: the standard requires strings that end with a NUL, or NULL; they are read before
         // the call returns.
@@ -131,7 +131,7 @@ extern "C" fn fmi3GetFMUState(
     call(instance, |instance| {
         let state = state.ok_or_else(|| Refusal::error("the place of the state is NULL"))?;
         match state {
-            Some(own) => **own = instance.snapshot(),
+            Some(state) => **state = instance.snapshot(),
             None => *state = Some(Box::new(instance.snapshot())),
         }
         Ok(())
@@ -168,8 +168,8 @@ unsafe fn variables<'a>(
     values: usize,
 ) -> Result<impl Iterator<Item = Result<Variable, Refusal>> + 'a, Refusal> {
     if values != count {
-        let what = format!("{values} values for {count} variables, which have one each");
-        return Err(Refusal::error(what));
+        let message = format!("{values} values for {count} variables, which have one each");
+        return Err(Refusal::error(message));
     }
     // SAFETY: the caller gives the same guarantee.
     let references: &'a [u32] = unsafe { pointers::values(references, count, "the references") }?;

@@ -115,16 +115,19 @@ impl Model {
         let Moment { time_s: last_s, start, was_start, rate, progress } = self.moment;
         let now_s = from_s + step_s;
         if !(now_s.is_finite() && step_s > 0.0) {
-            let what = format!("a step of {step_s} s from {from_s} s; it must be above 0");
-            return Err(Misuse::Illegal(what));
+            let message = format!("a step of {step_s} s from {from_s} s; it must be above 0");
+            return Err(Misuse::Illegal(message));
         }
         if from_s < last_s - ROUNDING_S * last_s.abs().max(1.0) {
-            let what = format!("a step from {from_s} s; the simulation is at {last_s} s already");
-            return Err(Misuse::Illegal(what));
+            let message =
+                format!("a step from {from_s} s; the simulation is at {last_s} s already");
+            return Err(Misuse::Illegal(message));
         }
         let from = |program_s| Progress::Running { since_s: from_s, program_s, rate };
         let progress = match (progress, progress.program_s(from_s)) {
-            (Progress::Running { rate: own, .. }, Some(program_s)) if own != rate => {
+            (Progress::Running { rate: current_rate, .. }, Some(program_s))
+                if current_rate != rate =>
+            {
                 from(program_s)
             }
             (Progress::Waiting | Progress::Done, _) if start && !was_start => from(0.0),
@@ -243,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_refused_changes_nothing() {
+    fn rejected_calls_change_nothing() {
         let (mut model, _) = model();
         model.step(0.0, 0.5).unwrap();
         let before = model.moment();

@@ -36,8 +36,8 @@ impl Resources {
         let read = |name| {
             let path = folder.join(name);
             fs::read_to_string(&path).map_err(|error| {
-                let what = format!("cannot read {}: {error}", path.display());
-                Failure::new(FailureKind::File, what)
+                let message = format!("cannot read {}: {error}", path.display());
+                Failure::new(FailureKind::File, message)
             })
         };
         Ok(Self { program: read(PROGRAM)?, robot: read(ROBOT)?, options: read(OPTIONS)? })
@@ -71,12 +71,13 @@ pub(crate) fn fmu_files(
 /// Plans the program in the folder `resources` of an FMU, which must have this token.
 pub(super) fn plan(folder: &Path, token: &str) -> Result<Planned, Failure> {
     let resources = Resources::read(folder)?;
-    let own = resources.token();
-    if own != token {
-        let what = format!(
-            "the instantiation token is {token}; of this binary and these resources it is {own}: make the FMU anew"
+    let expected = resources.token();
+    if expected != token {
+        let message = format!(
+            "the instantiation token is {token}; of this binary and these resources it is \
+             {expected}: make the FMU anew"
         );
-        return Err(Failure::argument(what));
+        return Err(Failure::argument(message));
     }
     let choices: Choices = serde_json::from_str(&resources.options)
         .map_err(|error| Failure::new(FailureKind::Program, format!("{OPTIONS}: {error}")))?;

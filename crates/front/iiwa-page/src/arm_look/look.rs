@@ -44,7 +44,7 @@ struct PackedSurface {
 impl Look {
     /// Uses the built-in shells.
     #[must_use]
-    pub(crate) fn own(robot: &Robot) -> Self {
+    pub(crate) fn built_in(robot: &Robot) -> Self {
         Self::packed(&shells::shells(robot), true)
     }
 

@@ -45,9 +45,9 @@ impl Surface {
         surface
     }
 
-    /// Returns a tube through rings of points, with flat ends. `at` takes the position along the
-    /// tube (0 to 1) and the angle around it, in rad, counter-clockwise about its direction.
-    pub(super) fn tube(rows: usize, at: impl Fn(f64, f64) -> [f64; 3]) -> Self {
+    /// Returns a tube through rings of points, with flat ends. `point_at` takes the position along
+    /// the tube (0 to 1) and the angle around it, in rad, counter-clockwise about its direction.
+    pub(super) fn tube(rows: usize, point_at: impl Fn(f64, f64) -> [f64; 3]) -> Self {
         const STEP: f64 = 1e-4;
         let mut surface = Self::default();
         for row in 0..=rows {
@@ -55,9 +55,10 @@ impl Surface {
             for k in 0..SIDES {
                 let angle = TAU * k as f64 / SIDES as f64;
                 let (before, after) = ((along - STEP).max(0.0), (along + STEP).min(1.0));
-                let forth = difference(at(after, angle), at(before, angle));
-                let round = difference(at(along, angle + STEP), at(along, angle - STEP));
-                surface.positions.push(at(along, angle));
+                let forth = difference(point_at(after, angle), point_at(before, angle));
+                let round =
+                    difference(point_at(along, angle + STEP), point_at(along, angle - STEP));
+                surface.positions.push(point_at(along, angle));
                 surface.normals.push(unit(cross(round, forth)));
             }
             if row > 0 {
@@ -75,8 +76,8 @@ impl Surface {
             surface.normals.extend([normal; SIDES + 1]);
             let sides = count(SIDES);
             surface.triangles.extend((0..sides).map(|k| {
-                let (here, next) = (first + k, first + (k + 1) % sides);
-                if is_end { [here, next, first + sides] } else { [next, here, first + sides] }
+                let (current, next) = (first + k, first + (k + 1) % sides);
+                if is_end { [current, next, first + sides] } else { [next, current, first + sides] }
             }));
         }
         surface

@@ -69,7 +69,7 @@ fn normals_are_of_length_one_and_outwards() {
             assert!((dot(*normal, *normal) - 1.0).abs() < 1e-12, "{name}: {normal:?}");
         }
         let mut volume = 0.0;
-        let (mut sum, mut whole, mut slanted) = (0.0, 0.0, 0.0);
+        let (mut sum, mut to_grid_cell, mut slanted) = (0.0, 0.0, 0.0);
         for corners in &surface.triangles {
             let [a, b, c] = corners.map(|it| surface.positions[it as usize]);
             let across = cross(difference(b, a), difference(c, a));
@@ -80,13 +80,13 @@ fn normals_are_of_length_one_and_outwards() {
             }
             for corner in corners {
                 let along = dot(unit(across), surface.normals[*corner as usize]);
-                (sum, whole) = (sum + along * area, whole + area);
+                (sum, to_grid_cell) = (sum + along * area, to_grid_cell + area);
                 slanted += if along < 0.5 { area } else { 0.0 };
             }
         }
         // Except slivers in the crease between a limb and its housing.
-        assert!(slanted / whole < 0.002, "{name}: {}", slanted / whole);
-        assert!(sum / whole > 0.98, "{name}: {}", sum / whole);
+        assert!(slanted / to_grid_cell < 0.002, "{name}: {}", slanted / to_grid_cell);
+        assert!(sum / to_grid_cell > 0.98, "{name}: {}", sum / to_grid_cell);
         assert!(volume > 1e-6, "{name}: inside out, {volume} m3");
     }
 }
@@ -136,7 +136,7 @@ fn lengths_move_the_shells() {
     assert!(reach(&long, 1) > reach(&short, 1));
     for flange_m in [0.126, 0.152] {
         let robot = short.clone().with_flange_m(flange_m).expect("a length");
-        let found = reach(&robot, 7);
-        assert!((found - flange_m).abs() < 1e-9, "{found}");
+        let actual = reach(&robot, 7);
+        assert!((actual - flange_m).abs() < 1e-9, "{actual}");
     }
 }

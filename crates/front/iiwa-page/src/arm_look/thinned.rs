@@ -25,26 +25,27 @@ impl Soup {
         self.gathered(cell, |points| points[0])
     }
 
-    /// Reduces the soups to at most `most` triangles in all. The points in each cell of a grid
+    /// Reduces the soups to at most `max_triangles` in all. The points in each cell of a grid
     /// become one corner: the point nearest to the planes of all triangles there (Lindstrom 2000),
     /// which preserves edges and flat faces.
-    pub(super) fn thinned(soups: Vec<Self>, most: usize) -> Vec<Self> {
+    pub(super) fn thinned(soups: Vec<Self>, max_triangles: usize) -> Vec<Self> {
         let count = |soups: &[Self]| soups.iter().map(|soup| soup.triangles.len()).sum::<usize>();
-        if count(&soups) <= most {
+        if count(&soups) <= max_triangles {
             return soups;
         }
         // The finest grid that is coarse enough, within a twentieth.
         let (mut fine_m, mut coarse_m) = (1e-4, 2e-4);
-        let at = |size_m: f64| soups.iter().map(|soup| soup.clustered(size_m)).collect::<Vec<_>>();
-        let mut thin = at(coarse_m);
-        while count(&thin) > most {
+        let clustered =
+            |size_m: f64| soups.iter().map(|soup| soup.clustered(size_m)).collect::<Vec<_>>();
+        let mut thin = clustered(coarse_m);
+        while count(&thin) > max_triangles {
             (fine_m, coarse_m) = (coarse_m, 2.0 * coarse_m);
-            thin = at(coarse_m);
+            thin = clustered(coarse_m);
         }
         while coarse_m / fine_m > 1.05 {
             let middle_m = (fine_m * coarse_m).sqrt();
-            let other = at(middle_m);
-            if count(&other) > most {
+            let other = clustered(middle_m);
+            if count(&other) > max_triangles {
                 fine_m = middle_m;
             } else {
                 (coarse_m, thin) = (middle_m, other);
@@ -60,7 +61,7 @@ impl Soup {
             let [a, b, c] = corners.map(|it| self.points[it as usize]);
             let across = cross(difference(b, a), difference(c, a));
             for corner in [a, b, c] {
-                planes.entry(whole(cell(corner))).or_default().add(across, a);
+                planes.entry(to_grid_cell(cell(corner))).or_default().add(across, a);
             }
         }
         let middle = |points: &[[f64; 3]]| -> [f64; 3] {
@@ -69,7 +70,7 @@ impl Soup {
         self.gathered(cell, |points| {
             let home = cell(points[0]);
             let near = middle(points);
-            let best = planes.get(&whole(home)).map_or(near, |planes| planes.nearest(near));
+            let best = planes.get(&to_grid_cell(home)).map_or(near, |planes| planes.nearest(near));
             // Keeps the point near its cell.
             std::array::from_fn(|i| {
                 best[i].clamp((home[i] - 0.5) * size_m, (home[i] + 1.5) * size_m)
@@ -87,7 +88,7 @@ impl Soup {
         let mut numbers: HashMap<[i64; 3], usize> = HashMap::new();
         let mut groups: Vec<Vec<[f64; 3]>> = Vec::new();
         let mut number_of = |point: [f64; 3]| {
-            let number = *numbers.entry(whole(cell(point))).or_insert_with(|| {
+            let number = *numbers.entry(to_grid_cell(cell(point))).or_insert_with(|| {
                 groups.push(Vec::new());
                 groups.len() - 1
             });
@@ -125,19 +126,19 @@ impl Soup {
             }
         }
         let mut surface = Surface::default();
-        let mut made: HashMap<(u32, [i64; 3]), u32> = HashMap::new();
+        let mut generated: HashMap<(u32, [i64; 3]), u32> = HashMap::new();
         for (number, corners) in self.triangles.iter().enumerate() {
-            let own = unit(normals[number]);
+            let normal = unit(normals[number]);
             surface.triangles.push(corners.map(|corner| {
                 let sum = around[corner as usize]
                     .iter()
-                    .filter(|other| dot(unit(normals[**other]), own) > CREASE)
+                    .filter(|other| dot(unit(normals[**other]), normal) > CREASE)
                     .fold([0.0; 3], |sum, other| {
                         std::array::from_fn(|i| sum[i] + normals[*other][i])
                     });
-                let normal = if dot(sum, sum) > 0.0 { unit(sum) } else { own };
+                let normal = if dot(sum, sum) > 0.0 { unit(sum) } else { normal };
                 let key = (corner, normal.map(|v| (v * 500.0).round()));
-                *made.entry((key.0, whole(key.1))).or_insert_with(|| {
+                *generated.entry((key.0, to_grid_cell(key.1))).or_insert_with(|| {
                     surface.positions.push(self.points[corner as usize]);
                     surface.normals.push(normal);
                     u32::try_from(surface.positions.len() - 1).unwrap_or(u32::MAX)
@@ -190,21 +191,21 @@ impl Quadric {
             row[i] += pull;
         }
         let right: [f64; 3] = std::array::from_fn(|i| self.offsets[i] + pull * near[i]);
-        let whole = dot(rows[0], cross(rows[1], rows[2]));
-        if whole <= 0.0 {
+        let to_grid_cell = dot(rows[0], cross(rows[1], rows[2]));
+        if to_grid_cell <= 0.0 {
             return near;
         }
         // Cramer's rule; the matrix is symmetric.
         std::array::from_fn(|i| {
             let mut columns = rows;
             columns[i] = right;
-            dot(columns[0], cross(columns[1], columns[2])) / whole
+            dot(columns[0], cross(columns[1], columns[2])) / to_grid_cell
         })
     }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a cell of a grid")]
-fn whole(cell: [f64; 3]) -> [i64; 3] {
+fn to_grid_cell(cell: [f64; 3]) -> [i64; 3] {
     cell.map(|v| v as i64)
 }
 
@@ -217,7 +218,7 @@ mod tests {
         let mut soup = Soup::default();
         for axis in 0..3 {
             for side in [0.0, 1.0] {
-                let at = |u: u32, v: u32| -> [f64; 3] {
+                let point_at = |u: u32, v: u32| -> [f64; 3] {
                     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
                     let mut point = [0.0; 3];
                     point[axis] = side * size[axis];
@@ -226,7 +227,12 @@ mod tests {
                     point
                 };
                 for (u, v) in (0..cuts).flat_map(|u| (0..cuts).map(move |v| (u, v))) {
-                    let quad = [at(u, v), at(u + 1, v), at(u + 1, v + 1), at(u, v + 1)];
+                    let quad = [
+                        point_at(u, v),
+                        point_at(u + 1, v),
+                        point_at(u + 1, v + 1),
+                        point_at(u, v + 1),
+                    ];
                     for corners in [[0, 1, 2], [0, 2, 3]] {
                         let corners =
                             if side > 0.0 { corners } else { [corners[0], corners[2], corners[1]] };

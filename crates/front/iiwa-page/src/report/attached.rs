@@ -11,7 +11,7 @@ use crate::PageError;
 use super::source::{Role, Source};
 
 /// Maximum size of that plan in memory, in bytes: some two hours.
-const MOST_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 256 << 20;
 
 /// Plans the program in a recording; `None` for a plan, or a recording without a program.
 pub(crate) fn plan(
@@ -20,14 +20,14 @@ pub(crate) fn plan(
     interrupted: fn() -> bool,
 ) -> Option<Result<Source, PageError>> {
     let text = recording.log.program.as_deref()?;
-    (recording.role() == Role::Recording).then(|| made(text, robot, interrupted))
+    (recording.role() == Role::Recording).then(|| generated(text, robot, interrupted))
 }
 
-fn made(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Source, PageError> {
-    let refuse = |error| PageError::RecordedProgram { source: Box::new(error) };
+fn generated(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Source, PageError> {
+    let to_error = |error| PageError::RecordedProgram { source: Box::new(error) };
     let request = PlanRequest { robot: Some(robot.clone()), ..PlanRequest::default() };
-    let source = ProgramSource::from_json(text).map_err(refuse)?;
-    let mut planning = request.begin(&source).map_err(refuse)?;
+    let source = ProgramSource::from_json(text).map_err(to_error)?;
+    let mut planning = request.begin(&source).map_err(to_error)?;
     let config = PlanConfig::default();
     let mut size = PlanSize::new(config.rate_hz);
     let mut writer = PlanWriter::new(Cursor::new(Vec::new()), robot, config)?;
@@ -35,9 +35,9 @@ fn made(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Source, 
         if interrupted() {
             return Err(PageError::Interrupted);
         }
-        let section = section.map_err(refuse)?;
+        let section = section.map_err(to_error)?;
         size.add(&section);
-        if size.bytes() > MOST_BYTES {
+        if size.bytes() > MAX_BYTES {
             return Err(PageError::TooLong {
                 duration: iiwa_report::long_duration(size.duration_s()),
             });
@@ -45,5 +45,5 @@ fn made(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Source, 
         writer.section(&section)?;
     }
     let stream = writer.finish(planning.figures(), Some(text))?;
-    Source::made("plan of its program", stream.get_ref())
+    Source::generated("plan of its program", stream.get_ref())
 }

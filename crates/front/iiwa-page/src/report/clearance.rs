@@ -55,25 +55,25 @@ impl Clearances {
     ) -> Option<Self> {
         let Samples { t_s, rows } = positions;
         let step = rows.len().div_ceil(POSES).max(1);
-        let of = |at: usize| of_pose(arm, &rows[at]);
+        let clearance_at = |index: usize| of_pose(arm, &rows[index]);
         let mut places = (0..rows.len()).step_by(step).collect::<Vec<_>>();
         let last = rows.len().checked_sub(1)?;
         if places.last() != Some(&last) {
             places.push(last);
         }
-        let found = places.par_iter().map(|at| of(*at)).collect::<Vec<_>>();
+        let clearances = places.par_iter().map(|index| clearance_at(*index)).collect::<Vec<_>>();
         let mut samples = Samples::<1>::with_capacity(places.len());
         let mut pairs: Vec<PairFrom> = Vec::new();
         let mut before = None;
-        for (at, clearance) in std::iter::zip(&places, &found) {
-            samples.push(t_s[*at], [clearance.map_or(f64::NAN, |it| it.distance_m)]);
+        for (index, clearance) in std::iter::zip(&places, &clearances) {
+            samples.push(t_s[*index], [clearance.map_or(f64::NAN, |it| it.distance_m)]);
             let Some(Clearance { link, other, .. }) = *clearance else { continue };
             if before.replace((link, other)) != Some((link, other)) && pairs.len() < PAIRS {
                 let other = arm.name_of(other);
-                pairs.push(PairFrom { from_s: t_s[*at] + shift_s, link, other });
+                pairs.push(PairFrom { from_s: t_s[*index] + shift_s, link, other });
             }
         }
-        let (at_s, nearest) = Search::new(arm, of_pose, positions).least(&places, &found)?;
+        let (at_s, nearest) = Search::new(arm, of_pose, positions).minimum(&places, &clearances)?;
         Some(Self {
             distance: Curve::new(&samples, shift_s),
             pairs,
@@ -132,33 +132,37 @@ impl<'a> Search<'a> {
     }
 
     /// Finds the smallest clearance or the first contact, from the clearances at some samples.
-    fn least(mut self, places: &[usize], found: &[Option<Clearance>]) -> Option<(f64, Clearance)> {
+    fn minimum(
+        mut self,
+        places: &[usize],
+        clearances: &[Option<Clearance>],
+    ) -> Option<(f64, Clearance)> {
         let Samples { t_s, rows } = self.positions;
-        for (at, clearance) in std::iter::zip(places, found) {
+        for (index, clearance) in std::iter::zip(places, clearances) {
             if let Some(clearance) = clearance {
-                self.take(t_s[*at], *clearance);
+                self.take(t_s[*index], *clearance);
             }
         }
-        for (ends, found) in std::iter::zip(places.windows(2), found) {
+        for (ends, clearance_pair) in std::iter::zip(places.windows(2), clearances) {
             if self.is_over(t_s[ends[0]]) {
                 break;
             }
             let between = ends[0]..=ends[1];
             let start = rows[ends[0]];
-            let bound = |at: usize| self.arm.travel_bound_m(&start, &rows[at]);
+            let bound = |index: usize| self.arm.travel_bound_m(&start, &rows[index]);
             // Non-finite bounds are ignored, and gaps are skipped.
-            let most = between.clone().map(bound).fold(0.0, f64::max);
-            let at_start = found.map_or(f64::MIN, |it| it.distance_m);
-            if at_start - most >= self.best_m() - TOLERANCE_M {
+            let max_travel_m = between.clone().map(bound).fold(0.0, f64::max);
+            let at_start = clearance_pair.map_or(f64::MIN, |it| it.distance_m);
+            if at_start - max_travel_m >= self.best_m() - TOLERANCE_M {
                 continue;
             }
             let mut before: Option<Known> = None;
-            for at in between {
-                let here = self.look(t_s[at], rows[at]);
-                if let (Some(from), Some(to)) = (before, here) {
+            for index in between {
+                let clearance = self.look(t_s[index], rows[index]);
+                if let (Some(from), Some(to)) = (before, clearance) {
                     self.between(from, to);
                 }
-                before = here;
+                before = clearance;
             }
         }
         self.best
@@ -167,9 +171,9 @@ impl<'a> Search<'a> {
     /// Searches between two poses, with linear interpolation of the joints.
     fn between(&mut self, from: Known, to: Known) {
         let way = self.arm.travel_bound_m(&from.q, &to.q);
-        let least = 0.5 * (from.distance_m + to.distance_m - way);
+        let lower_m = 0.5 * (from.distance_m + to.distance_m - way);
         let is_over = self.is_over(from.t_s);
-        if is_over || least >= self.best_m() - TOLERANCE_M || way < TOLERANCE_M {
+        if is_over || lower_m >= self.best_m() - TOLERANCE_M || way < TOLERANCE_M {
             return;
         }
         let q = std::array::from_fn(|j| f64::midpoint(from.q[j], to.q[j]));

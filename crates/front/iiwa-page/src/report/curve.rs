@@ -63,13 +63,18 @@ impl Curve {
         Self::with_columns(samples, shift_s, COLUMNS)
     }
 
-    fn with_columns<const N: usize>(samples: &Samples<N>, shift_s: f64, most: usize) -> Self {
-        let count = samples.rows.len().div_ceil(most).max(1);
+    fn with_columns<const N: usize>(
+        samples: &Samples<N>,
+        shift_s: f64,
+        max_columns: usize,
+    ) -> Self {
+        let count = samples.rows.len().div_ceil(max_columns).max(1);
         let chunks = || samples.rows.chunks(count);
         // Numbers have priority over NaN.
-        let fold = |of: fn(f64, f64) -> f64| {
+        let fold = |pick: fn(f64, f64) -> f64| {
             chunks().flat_map(move |rows| {
-                rows.iter().fold([f64::NAN; N], |a, row| std::array::from_fn(|j| of(a[j], row[j])))
+                rows.iter()
+                    .fold([f64::NAN; N], |a, row| std::array::from_fn(|j| pick(a[j], row[j])))
             })
         };
         Self {

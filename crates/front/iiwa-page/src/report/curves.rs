@@ -26,11 +26,12 @@ impl Curves {
         let Planned { position, velocity, acceleration, jerk, snap } = planned;
         let method = match timing {
             Some("acceleration") => {
-                "from the nodes of the trajectory; planned without limits of jerk: acceleration jumps"
+                "from the nodes of the trajectory; planned without limits of jerk: acceleration \
+                 jumps"
             }
             Some("sunrise") => {
-                "from the nodes of the trajectory; from node to node, jerk is linear. Sunrise's ramps may have more \
-                 jerk than its limit, which holds for blends, LIN and CIRC"
+                "from the nodes of the trajectory; from node to node, jerk is linear. Sunrise's \
+                 ramps may have more jerk than its limit, which holds for blends, LIN and CIRC"
             }
             _ => "from the nodes of the trajectory; from node to node, jerk is linear",
         };

@@ -425,10 +425,10 @@ fn deviation(comparison: &Comparison, start_s: f64, value: impl Fn(&TracePoint) 
 
 /// Returns the motions with reduced limits, by their numbers.
 fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
-    let own = |(index, motion): (usize, &Motion)| {
+    let motion_share = |(index, motion): (usize, &Motion)| {
         let share = |kind| match motion {
             Motion::Ptp(ptp) => Some(*ptp.share(kind)),
-            Motion::Cartesian(own) => Some(own.shares[kind]),
+            Motion::Cartesian(cartesian) => Some(cartesian.shares[kind]),
             Motion::Wait { .. } | Motion::Load(_) => None,
         };
         let [velocity, acceleration, jerk] = LimitKind::ALL.map(share);
@@ -436,7 +436,7 @@ fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
         let narrower = [velocity, acceleration, jerk].iter().flatten().any(|share| *share < 1.0);
         narrower.then_some((index + 1, Shares { velocity, acceleration, jerk }))
     };
-    motions.iter().enumerate().filter_map(own).collect()
+    motions.iter().enumerate().filter_map(motion_share).collect()
 }
 
 /// Returns the blended targets.
@@ -459,10 +459,10 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
                 };
                 (target.position_m, radius_mm)
             }
-            Motion::Cartesian(own) => {
-                let target = own.target()?;
-                let (_, pose) = program.workcell.target(target, own.base.as_deref()).ok()?;
-                (pose.position_m, own.blend?.cart_mm)
+            Motion::Cartesian(cartesian) => {
+                let target = cartesian.target()?;
+                let (_, pose) = program.workcell.target(target, cartesian.base.as_deref()).ok()?;
+                (pose.position_m, cartesian.blend?.cart_mm)
             }
             Motion::Wait { .. } | Motion::Load(_) => return None,
         };
@@ -547,7 +547,7 @@ impl Model {
         let look = match (extent, meshes) {
             (Extent::Sketch, _) => Look::default(),
             (Extent::Whole, Some(meshes)) => Look::of_meshes(meshes),
-            (Extent::Whole, None) => Look::own(robot),
+            (Extent::Whole, None) => Look::built_in(robot),
         };
         Self {
             name: robot.name().to_owned(),

@@ -14,7 +14,7 @@ const SAMPLES: f64 = 450_000.0;
 
 /// Shortest step between nodes, in s, for which velocities determine the change of the jerk: times
 /// are rounded to nanoseconds.
-const LEAST_S: f64 = 0.002;
+const MIN_S: f64 = 0.002;
 
 /// Position, velocity, acceleration, jerk and snap of a plan.
 #[derive(Debug, Default)]
@@ -87,8 +87,8 @@ impl Planned {
             }
             if smooth {
                 let snap = jerks.map(|[a, b]| (b - a) / span_s);
-                for (at, t_s) in [from.t_s, to.t_s].into_iter().enumerate() {
-                    planned.jerk.push(t_s, jerks.map(|jerk| jerk[at]));
+                for (end, t_s) in [from.t_s, to.t_s].into_iter().enumerate() {
+                    planned.jerk.push(t_s, jerks.map(|jerk| jerk[end]));
                     planned.snap.push(t_s, snap);
                 }
             } else {
@@ -109,7 +109,7 @@ impl Planned {
 /// accelerations.
 fn jerk_at_ends(span_s: f64, [v, a]: [f64; 2], [v_end, a_end]: [f64; 2]) -> [f64; 2] {
     let mean = (a_end - a) / span_s;
-    if span_s < LEAST_S {
+    if span_s < MIN_S {
         return [mean; 2];
     }
     // Excess of the mean acceleration over that of a linear course.
@@ -179,11 +179,11 @@ mod tests {
         }
         let [jerk, snap] = [&planned.jerk, &planned.snap]
             .map(|samples| samples.rows.iter().map(|row| row[2]).collect::<Vec<_>>());
-        for (found, expected) in std::iter::zip(jerk, [0.0, 0.06, 0.0605, 0.0605]) {
-            assert!((found - expected).abs() < 1e-12, "{found}");
+        for (actual, expected) in std::iter::zip(jerk, [0.0, 0.06, 0.0605, 0.0605]) {
+            assert!((actual - expected).abs() < 1e-12, "{actual}");
         }
-        for (found, expected) in std::iter::zip(snap, [1.0, 1.0, 0.0, 0.0]) {
-            assert!((found - expected).abs() < 1e-9, "{found}");
+        for (actual, expected) in std::iter::zip(snap, [1.0, 1.0, 0.0, 0.0]) {
+            assert!((actual - expected).abs() < 1e-9, "{actual}");
         }
     }
 }

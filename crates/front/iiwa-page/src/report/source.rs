@@ -50,7 +50,7 @@ impl Source {
     }
 
     /// Reads an MCAP file that was created for the page, with a name to show.
-    pub(crate) fn made(name: &str, content: &[u8]) -> Result<Self, PageError> {
+    pub(crate) fn generated(name: &str, content: &[u8]) -> Result<Self, PageError> {
         let log = JointLog::read(content)
             .map_err(|source| PageError::Recording { name: name.to_owned(), source })?;
         let [name, file] = [name, name].map(str::to_owned);
@@ -146,10 +146,10 @@ impl Source {
 
 /// Opens a file.
 fn open(path: &Path) -> Result<File, PageError> {
-    let refuse = |source| PageError::Open { name: path.display().to_string(), source };
-    let file = File::open(path).map_err(refuse)?;
+    let to_error = |source| PageError::Open { name: path.display().to_string(), source };
+    let file = File::open(path).map_err(to_error)?;
     if file.metadata().is_ok_and(|kind| kind.is_dir()) {
-        return Err(refuse(io::Error::from(io::ErrorKind::IsADirectory)));
+        return Err(to_error(io::Error::from(io::ErrorKind::IsADirectory)));
     }
     Ok(file)
 }

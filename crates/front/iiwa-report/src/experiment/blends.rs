@@ -36,12 +36,12 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     let mut chapter =
         Chapter::new("The curve of blends: sections 4.2 and 4.3, Fig. 15 to 18, 20, 21");
     let Some(run) = runs.first() else { return Ok(chapter) };
-    let found = identified(bench, runs)?;
-    let corners = corners(bench, run, &found)?;
+    let identified = identified(bench, runs)?;
+    let corners = corners(bench, run, &identified)?;
     chapter.paragraph(format!(
-        "Only joints 2 and 4 move, {}: to a corner with a relative blend of 0.25, and on to 36 targets in a \
-         circle about it. The corner is 40 deg from the start and 25 deg from the targets; the thesis does \
-         not state its distances.",
+        "Only joints 2 and 4 move, {}: to a corner with a relative blend of 0.25, and on to 36 \
+         targets in a circle about it. The corner is 40 deg from the start and 25 deg from the \
+         targets; the thesis does not state its distances.",
         bench.on
     ));
     let shapes = [
@@ -73,9 +73,10 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
         figures.push((number, caption, overview(&corners, &calculated)?));
     }
     chapter.paragraph(
-        "The table lists deviations in the plane of the two joints, over the part of the path where any of \
-         the shapes is curved: distances from each point of either path to the nearest point of the other, \
-         as mean over the path and as maximum. The thesis has figures only.",
+        "The table lists deviations in the plane of the two joints, over the part of the path \
+         where any of the shapes is curved: distances from each point of either path to the \
+         nearest point of the other, as mean over the path and as maximum. The thesis has figures \
+         only.",
     );
     chapter.table(&["shape", "mean deg", "largest deg", "the thesis, in words"], &rows);
     // Figures in the order of the thesis.
@@ -87,32 +88,33 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
         let caption = "Fig. 18: one blend with different kappa (blue) and as measured (red)";
         chapter.figure(bench, "18", caption, effect(corner)?);
         chapter.paragraph(
-            "As in the thesis, kappa moves the blend along the corner's bisector and does not move its \
-             ends.",
+            "As in the thesis, kappa moves the blend along the corner's bisector and does not move \
+             its ends.",
         );
     }
-    kappa(bench, &mut chapter, &found)?;
+    kappa(bench, &mut chapter, &identified)?;
     if let Some((number, caption, svg)) = eq_39 {
         chapter.figure(bench, number, &caption, svg);
     }
-    if let Some(share) = found.unequal_share {
+    if let Some(share) = identified.unequal_share {
         chapter.paragraph(format!(
-            "The two motions at a corner differ in length. By Algorithm 3, a blend starts and ends at equal \
-             distances from its corner all the same, those of the shorter motion. Measured: {share} of the \
-             difference without this rule (0: equal distances; 1: no effect of the rule)."
+            "The two motions at a corner differ in length. By Algorithm 3, a blend starts and ends \
+             at equal distances from its corner all the same, those of the shorter motion. \
+             Measured: {share} of the difference without this rule (0: equal distances; 1: no \
+             effect of the rule)."
         ));
     }
-    chapter.paragraph(left_out(runs, &found.left_out));
+    chapter.paragraph(left_out(runs, &identified.left_out));
     Ok(chapter)
 }
 
 /// Adds kappa over gamma: Fig. 20.
-fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(), ReportError> {
-    let Some(kappa) = &found.kappa else {
+fn kappa(bench: &Bench, chapter: &mut Chapter, identified: &Identified) -> Result<(), ReportError> {
+    let Some(kappa) = &identified.kappa else {
         chapter.paragraph("Too few blends were found for kappa(gamma).");
         return Ok(());
     };
-    let observed: Vec<Point> = found
+    let observed: Vec<Point> = identified
         .blends
         .iter()
         .map(|BlendObservation { gamma_deg, kappa, .. }| (*gamma_deg, kappa.0))
@@ -122,17 +124,18 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(),
     chapter.figure(
         bench,
         "20",
-        "Fig. 20: kappa as found in each blend, the polynomial through all of them, and the model's",
+        "Fig. 20: kappa as found in each blend, the polynomial through all of them, and the \
+         model's",
         draw(&plots, 2, 1200, 440)?,
     );
     let [c0, c1, c2] = kappa.coefficients();
     let [m0, m1, m2] = bench.model.blend_kappa();
     chapter.paragraph(format!(
-        "Found in {} blends from {:.0} to {:.0} deg: kappa = {c2:.8} gamma^2 {c1:+.8} gamma {c0:+.8}, with \
-         {:.4} as the root mean square of the residuals. The model has {m2:.8} gamma^2 {m1:+.8} gamma \
-         {m0:+.8}. Eq. 38 of the thesis, tuned by hand, is kappa = 0.00028472 gamma^2 + 0.00626016 gamma - \
-         3.97426471.",
-        found.blends.len(),
+        "Found in {} blends from {:.0} to {:.0} deg: kappa = {c2:.8} gamma^2 {c1:+.8} gamma \
+         {c0:+.8}, with {:.4} as the root mean square of the residuals. The model has {m2:.8} \
+         gamma^2 {m1:+.8} gamma {m0:+.8}. Eq. 38 of the thesis, tuned by hand, is kappa = \
+         0.00028472 gamma^2 + 0.00626016 gamma - 3.97426471.",
+        identified.blends.len(),
         kappa.gamma_deg[0],
         kappa.gamma_deg[1],
         kappa.residual
@@ -162,7 +165,7 @@ fn in_plane(q: &Joints) -> Point {
 fn corners(
     bench: &Bench,
     run: &TrialRun,
-    found: &Identified,
+    identified: &Identified,
 ) -> Result<Vec<MeasuredCorner>, ReportError> {
     let path = path(bench, &run.trial, PathOptions::default())?;
     let log = &run.log;
@@ -170,7 +173,7 @@ fn corners(
     let mut corners = Vec::new();
     for index in 0..run.trial.program.motions.len() / MOTIONS {
         let back = MOTIONS * index + 2;
-        let Some(line) = found.lines.iter().find(|line| line.motion.index() == back) else {
+        let Some(line) = identified.lines.iter().find(|line| line.motion.index() == back) else {
             continue;
         };
         let [to_s, next_s] = line.time_s;
@@ -212,8 +215,8 @@ impl MeasuredCorner {
                 continue;
             }
             let count = if segment.is_straight() { 60 } else { 200 };
-            let at = |i: i32| in_plane(&segment.at(f64::from(i) / f64::from(count)).q);
-            points.extend((0..=count).map(at));
+            let point = |i: i32| in_plane(&segment.at(f64::from(i) / f64::from(count)).q);
+            points.extend((0..=count).map(point));
         }
         points
     }
@@ -225,9 +228,9 @@ impl MeasuredCorner {
     /// Returns mean and largest distance between the measured and a calculated path, in degrees,
     /// near the corner and in both directions.
     fn deviation(&self, calculated: &[Point]) -> Option<(f64, f64)> {
-        let (there, back) =
+        let (forward, back) =
             (self.one_way(&self.measured, calculated)?, self.one_way(calculated, &self.measured)?);
-        Some((0.5 * (there.0 + back.0), there.1.max(back.1)))
+        Some((0.5 * (forward.0 + back.0), forward.1.max(back.1)))
     }
 
     fn one_way(&self, from: &[Point], to: &[Point]) -> Option<(f64, f64)> {

@@ -62,11 +62,11 @@ impl Over {
 
 /// Returns all cases: for each of the first paths, one case per value.
 fn cases(paths: usize) -> Vec<(Over, CycleTimeCase)> {
-    let of = |over: Over| {
+    let cases_over = |over: Over| {
         let cases = over.cases().into_iter();
         cases.filter(move |case| case.path < paths as u64).map(move |case| (over, case))
     };
-    Over::ALL.into_iter().flat_map(of).collect()
+    Over::ALL.into_iter().flat_map(cases_over).collect()
 }
 
 /// Returns the programs; a program in several sweeps runs once.
@@ -103,17 +103,18 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     let paths = cases.iter().map(|case| case.path + 1).max().unwrap_or_default();
     let mut chapter = Chapter::new("Errors of the cycle time: section 5.1.2, Fig. 23 to 25");
     chapter.paragraph(format!(
-        "{paths} random paths of ten PTP motions, run {} over relative velocity, relative blend and path \
-         length lambda. The thesis does not define its lambda; here it is the length of each motion, the \
-         norm of the joint displacements, in degrees. The other parameters are those of the thesis: \
-         velocity 0.4, blend 0.25, lambda 200.",
+        "{paths} random paths of ten PTP motions, run {} over relative velocity, relative blend \
+         and path length lambda. The thesis does not define its lambda; here it is the length of \
+         each motion, the norm of the joint displacements, in degrees. The other parameters are \
+         those of the thesis: velocity 0.4, blend 0.25, lambda 200.",
         bench.on
     ));
     chapter.paragraph(
-        "T_r is measured, from the arm's departure to its arrival, plus the model's time to settle at the \
-         end. T_s is calculated in two ways for the same path: under limits of velocity and acceleration, \
-         which is the thesis's method (\"acceleration\"), and under limits of jerk too, which is this \
-         project's (\"jerk\"). The error is T_s - T_r, in s and as a share of T_r (Eq. 40).",
+        "T_r is measured, from the arm's departure to its arrival, plus the model's time to settle \
+         at the end. T_s is calculated in two ways for the same path: under limits of velocity and \
+         acceleration, which is the thesis's method (\"acceleration\"), and under limits of jerk \
+         too, which is this project's (\"jerk\"). The error is T_s - T_r, in s and as a share of \
+         T_r (Eq. 40).",
     );
     for (over, number, title, axis, thesis) in [
         (
@@ -128,24 +129,24 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
             "24",
             "Fig. 24: relative blend",
             "relative blend",
-            "The thesis: calculated times are too short without blends, since the robot's limits of jerk are \
-             left out, and close to the robot's as blends grow.",
+            "The thesis: calculated times are too short without blends, since the robot's limits \
+             of jerk are left out, and close to the robot's as blends grow.",
         ),
         (
             Over::Thesis(Sweep::Length),
             "25",
             "Fig. 25: path length",
             "path length lambda, deg",
-            "The thesis: constant within 2 % for longer paths, a marginally bigger difference for shorter \
-             ones.",
+            "The thesis: constant within 2 % for longer paths, a marginally bigger difference for \
+             shorter ones.",
         ),
         (
             Over::LengthAtFullSpeed,
             "25-full-speed",
             "Path length at full speed",
             "path length lambda, deg",
-            "Not in the thesis, whose largest error at high velocities is 15 % with lambda = 200, in a unit \
-             that it does not state.",
+            "Not in the thesis, whose largest error at high velocities is 15 % with lambda = 200, \
+             in a unit that it does not state.",
         ),
     ] {
         let its: Vec<_> = cases.iter().filter(|case| case.over == over).collect();
@@ -199,12 +200,13 @@ fn by_value<'a>(cases: &[&'a Case]) -> Vec<(f64, Vec<&'a Case>)> {
     let mut values: Vec<f64> = cases.iter().map(|case| case.value).collect();
     values.sort_by(f64::total_cmp);
     values.dedup();
-    let of = |value: f64| cases.iter().filter(|case| case.value == value).copied().collect();
-    values.into_iter().map(|value| (value, of(value))).collect()
+    let cases_with =
+        |value: f64| cases.iter().filter(|case| case.value == value).copied().collect();
+    values.into_iter().map(|value| (value, cases_with(value))).collect()
 }
 
-fn mean(cases: &[&Case], of: impl Fn(&Case) -> f64) -> f64 {
-    cases.iter().map(|case| of(case)).sum::<f64>() / cases.len() as f64
+fn mean(cases: &[&Case], quantity: impl Fn(&Case) -> f64) -> f64 {
+    cases.iter().map(|case| quantity(case)).sum::<f64>() / cases.len() as f64
 }
 
 fn figure(over: Over, axis: &str, cases: &[&Case]) -> Result<String, ReportError> {
@@ -214,18 +216,18 @@ fn figure(over: Over, axis: &str, cases: &[&Case]) -> Result<String, ReportError
         Over::Thesis(Sweep::Velocity) => SeriesLabelPosition::LowerLeft,
         _ => SeriesLabelPosition::LowerRight,
     };
-    let panel = |title: &str, unit: &str, of: &dyn Fn(&Case, usize) -> f64| {
+    let panel = |title: &str, unit: &str, quantity: &dyn Fn(&Case, usize) -> f64| {
         let mut plot = Plot::new(title, axis, unit).legend_at(legend_at.clone());
         for (timing, (colour, name)) in
             TIMINGS.into_iter().zip(["acceleration", "jerk"]).enumerate()
         {
             let paths = (0..5).map(|path| {
                 let its = cases.iter().filter(|case| case.path == path);
-                its.map(|case| (case.value, of(case, timing))).collect::<Vec<Point>>()
+                its.map(|case| (case.value, quantity(case, timing))).collect::<Vec<Point>>()
             });
             let means: Vec<Point> = grouped
                 .iter()
-                .map(|(value, cases)| (*value, mean(cases, |case| of(case, timing))))
+                .map(|(value, cases)| (*value, mean(cases, |case| quantity(case, timing))))
                 .collect();
             plot = plot
                 .lines(paths.collect(), colour, 1.0, "")
@@ -287,8 +289,8 @@ fn finding(cases: &[&Case]) -> String {
     };
     let worst = cases.iter().map(|case| case.percent(1).abs()).fold(0.0, f64::max);
     format!(
-        "Here: on average {:+.2} % at {low} and {:+.2} % at {high} by acceleration; by jerk no error is \
-         larger than {worst:.2} %.",
+        "Here: on average {:+.2} % at {low} and {:+.2} % at {high} by acceleration; by jerk no \
+         error is larger than {worst:.2} %.",
         mean(first, |case| case.percent(0)),
         mean(last, |case| case.percent(0)),
     )
@@ -301,9 +303,9 @@ fn like_the_thesis(cases: &[&Case]) -> String {
     let grouped = by_value(cases);
     match grouped.iter().min_by(|a, b| off(&a.1).total_cmp(&off(&b.1))) {
         Some((length, cases)) if off(cases) < 5.0 => format!(
-            "The thesis's {THESIS_PERCENT} % are closest to the error of motions of {length} deg here. If \
-             its lambda = 200 were in degrees, the missing limits of jerk alone would not explain them on \
-             this robot."
+            "The thesis's {THESIS_PERCENT} % are closest to the error of motions of {length} deg \
+             here. If its lambda = 200 were in degrees, the missing limits of jerk alone would not \
+             explain them on this robot."
         ),
         _ => String::new(),
     }

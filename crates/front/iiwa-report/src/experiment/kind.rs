@@ -50,7 +50,7 @@ impl ExperimentKind {
     #[must_use]
     pub fn trials(self, bench: &Bench) -> Vec<Trial> {
         let Bench { model, seed, .. } = bench;
-        let count = |most: usize| bench.count.unwrap_or(most).min(most);
+        let count = |upper: usize| bench.count.unwrap_or(upper).min(upper);
         match self {
             Self::Limits => {
                 let mut trials = experiment::limits();

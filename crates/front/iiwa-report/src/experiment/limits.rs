@@ -42,54 +42,58 @@ const HALF_WINDOW_S: f64 = 0.02;
 const JOINTS: [&str; 7] = ["A1", "A2", "A3", "A4", "A5", "A6", "A7"];
 
 pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
-    let found = identified(bench, runs)?;
+    let identified = identified(bench, runs)?;
     let mut chapter = Chapter::new("Limits of the joints: Appendix A, Tables 4 and 5, Fig. 28");
     let poses = runs.len().saturating_sub(1);
     chapter.paragraph(format!(
-        "From each of {poses} poses of Table 3, each joint moves alone to -20 deg, to +20 deg and back, at \
-         full speed, {}. The thesis differentiates samples and takes the maxima. Here the seven phases of \
-         constant jerk are fitted to the positions of the motion from -20 to +20 deg, so that noise is not \
-         differentiated. The thesis concludes that the limits do not depend on the pose.",
+        "From each of {poses} poses of Table 3, each joint moves alone to -20 deg, to +20 deg and \
+         back, at full speed, {}. The thesis differentiates samples and takes the maxima. Here the \
+         seven phases of constant jerk are fitted to the positions of the motion from -20 to +20 \
+         deg, so that noise is not differentiated. The thesis concludes that the limits do not \
+         depend on the pose.",
         bench.on
     ));
     chapter.heading("Table 4: acceleration, deg/s^2");
-    table(&mut chapter, &found, poses, |line| line.acceleration_rad_s2, &THESIS[0]);
+    table(&mut chapter, &identified, poses, |line| line.acceleration_rad_s2, &THESIS[0]);
     chapter.heading("Table 5: jerk, deg/s^3");
-    table(&mut chapter, &found, poses, |line| line.jerk_rad_s3, &THESIS[1]);
+    table(&mut chapter, &identified, poses, |line| line.jerk_rad_s3, &THESIS[1]);
 
     chapter.heading("Limits from all motions");
     chapter.paragraph(
-        "A last program swings each joint by 70 deg about zero: joints 6 and 7 do not reach full speed \
-         within the 40 deg of the thesis. Each figure is followed by half its 95 % confidence interval.",
+        "A last program swings each joint by 70 deg about zero: joints 6 and 7 do not reach full \
+         speed within the 40 deg of the thesis. Each figure is followed by half its 95 % \
+         confidence interval.",
     );
     let limits = bench.model.limits();
-    let cell = |found: &Option<Estimate>, model: f64| match found {
-        Some(found) => format!("{} ({:.2})", found.scaled(1_f64.to_degrees()), model.to_degrees()),
+    let cell = |estimate: &Option<Estimate>, model: f64| match estimate {
+        Some(estimate) => {
+            format!("{} ({:.2})", estimate.scaled(1_f64.to_degrees()), model.to_degrees())
+        }
         None => format!("not seen ({:.2})", model.to_degrees()),
     };
     let rows: Vec<_> = (0..7)
         .map(|j| {
             vec![
                 JOINTS[j].to_owned(),
-                cell(&found.velocity_rad_s[j], limits.velocity_rad_s[j]),
-                cell(&found.acceleration_rad_s2[j], limits.acceleration_rad_s2[j]),
-                cell(&found.jerk_rad_s3[j], limits.jerk_rad_s3[j]),
+                cell(&identified.velocity_rad_s[j], limits.velocity_rad_s[j]),
+                cell(&identified.acceleration_rad_s2[j], limits.acceleration_rad_s2[j]),
+                cell(&identified.jerk_rad_s3[j], limits.jerk_rad_s3[j]),
             ]
         })
         .collect();
     let head = ["found (model)", "velocity deg/s", "acceleration deg/s^2", "jerk deg/s^3"];
     chapter.table(&head, &rows);
-    chapter.paragraph(left_out(runs, &found.left_out));
+    chapter.paragraph(left_out(runs, &identified.left_out));
 
-    if let (Some(run), Some(line)) = (runs.first(), swing(&found, 0, 0)) {
+    if let (Some(run), Some(line)) = (runs.first(), swing(&identified, 0, 0)) {
         let svg = figure(bench, run, line)?;
         let deg = |value: Option<f64>| match value {
             Some(value) => format!("{:.2}", value.to_degrees()),
             None => "none".to_owned(),
         };
         let caption = format!(
-            "Fig. 28: joint 1 from -20 to +20 deg about pose 1. Red: samples, derivatives by cubics fitted \
-             to {:.0} ms about each instant. Blue: the model's plan",
+            "Fig. 28: joint 1 from -20 to +20 deg about pose 1. Red: samples, derivatives by \
+             cubics fitted to {:.0} ms about each instant. Blue: the model's plan",
             2e3 * HALF_WINDOW_S
         );
         chapter.heading("Fig. 28");
@@ -106,24 +110,25 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
 }
 
 /// Returns the motion of a joint from -20 to +20 deg: the second of its three motions.
-fn swing(found: &Identified, recording: usize, joint: usize) -> Option<&LineObservation> {
+fn swing(identified: &Identified, recording: usize, joint: usize) -> Option<&LineObservation> {
     let its = |line: &&LineObservation| {
         line.recording == recording
             && line.joint.map(Joint::index) == Some(joint)
             && line.motion.index() == 3 * joint + 1
     };
-    found.lines.iter().find(its)
+    identified.lines.iter().find(its)
 }
 
 fn table(
     chapter: &mut Chapter,
-    found: &Identified,
+    identified: &Identified,
     poses: usize,
-    of: fn(&LineObservation) -> Option<f64>,
+    quantity: fn(&LineObservation) -> Option<f64>,
     [means, deviations]: &[[f64; 7]; 2],
 ) {
-    let value =
-        |run: usize, joint: usize| swing(found, run, joint).and_then(of).map(f64::to_degrees);
+    let value = |run: usize, joint: usize| {
+        swing(identified, run, joint).and_then(quantity).map(f64::to_degrees)
+    };
     let text = |value: f64| format!("{value:.2}");
     let row = |name: &str, cells: [String; 7]| {
         std::iter::once(name.to_owned()).chain(cells).collect::<Vec<_>>()

@@ -12,17 +12,18 @@ use super::{
 };
 
 pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
-    let found = identified(bench, runs)?;
-    let effect = LoadEffect::new(&found, &bench.load, &bench.model).map_err(|source| {
+    let identified = identified(bench, runs)?;
+    let effect = LoadEffect::new(&identified, &bench.load, &bench.model).map_err(|source| {
         let name = runs.last().map_or_else(String::new, |run| run.trial.name.clone());
         ReportError::Planning { name, source }
     })?;
     let load = &bench.load;
     let mut chapter = Chapter::new("What the planner makes of a load");
     chapter.paragraph(format!(
-        "A2 and A4 swing alone by 20 deg to either side of eight poses, at full speed, without a load and with {} kg, whose \
-         centre is at {:?} mm of the flange, {}. The thesis (chapter 6) expects that a load lowers acceleration, and did not \
-         measure it. Accelerations are found by fitting the seven phases of constant jerk to the positions.",
+        "A2 and A4 swing alone by 20 deg to either side of eight poses, at full speed, without a \
+         load and with {} kg, whose centre is at {:?} mm of the flange, {}. The thesis (chapter 6) \
+         expects that a load lowers acceleration, and did not measure it. Accelerations are found \
+         by fitting the seven phases of constant jerk to the positions.",
         load.mass_kg, load.center_mm, bench.on
     ));
     let rows: Vec<_> = effect
@@ -51,29 +52,38 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     ];
     chapter.table(&head, &rows);
     chapter.paragraph(
-        "Torque needed is the largest share of a joint's limit that the swing takes with the load at the acceleration without \
-         it, by the model; the ratio by torque is that of a planner that keeps every joint within its limit.",
+        "Torque needed is the largest share of a joint's limit that the swing takes with the load \
+         at the acceleration without it, by the model; the ratio by torque is that of a planner \
+         that keeps every joint within its limit.",
     );
     let verdict = match effect.verdict {
         LoadVerdict::Ignored => "the planner does not take the load into account".to_owned(),
         LoadVerdict::TooLight => {
-            "no effect, and with this load planning with torques would show none either: take a heavier one".to_owned()
+            "no effect, and with this load planning with torques would show none either: take a \
+             heavier one"
+                .to_owned()
         }
         LoadVerdict::FactorPerKg(share) => {
-            format!("accelerations fall alike in all poses, by {} % for each kg", share.scaled(100.0))
+            format!(
+                "accelerations fall alike in all poses, by {} % for \
+                each kg",
+                share.scaled(100.0)
+            )
         }
         LoadVerdict::Torque(share) => format!(
             "the planner keeps torques within {} % of the limits, which depends on the pose",
             share.scaled(100.0)
         ),
-        _ => "not decided: neither no effect, nor one factor, nor a limit of torque explains the accelerations".to_owned(),
+        _ => "not decided: neither no effect, nor one factor, nor a limit of torque explains the \
+            accelerations"
+            .to_owned(),
     };
     chapter.paragraph(format!("**Result: {verdict}.**"));
     let [none, factor, torque] = effect.left_over.map(|rms| format!("{:.2} %", 100.0 * rms));
     chapter.paragraph(format!(
-        "Root mean square of what is left of the ratios: {none} if the load has no effect, {factor} with the factor that fits \
-         best, {torque} with the limit of torque that fits best."
+        "Root mean square of what is left of the ratios: {none} if the load has no effect, \
+         {factor} with the factor that fits best, {torque} with the limit of torque that fits best."
     ));
-    chapter.paragraph(left_out(runs, &found.left_out));
+    chapter.paragraph(left_out(runs, &identified.left_out));
     Ok(chapter)
 }

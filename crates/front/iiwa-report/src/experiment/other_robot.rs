@@ -56,17 +56,17 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportErr
     }
     let recordings: Vec<_> =
         runs.iter().map(|(trial, log)| Recording { program: &trial.program, log }).collect();
-    let found =
+    let identified =
         identify(&recordings, &bench.model).map_err(|source| ReportError::Identify { source })?;
-    let identified = found.robot(&bench.model);
+    let identified = identified.robot(&bench.model);
 
     let mut chapter = Chapter::new("A robot that is not the model");
     chapter.paragraph(
-        "In the chapters above, the virtual robot is the model itself. Here it is another one: its limits \
-         are 0.70 to 1.25 times the model's, with a different factor for each joint, and its kappa and time \
-         to settle differ, too. It runs the programs of Appendix A, section 4.2 and Appendix C, a robot is \
-         identified from these recordings, and other programs are predicted with the model and with the \
-         identified robot.",
+        "In the chapters above, the virtual robot is the model itself. Here it is another one: its \
+         limits are 0.70 to 1.25 times the model's, with a different factor for each joint, and \
+         its kappa and time to settle differ, too. It runs the programs of Appendix A, section 4.2 \
+         and Appendix C, a robot is identified from these recordings, and other programs are \
+         predicted with the model and with the identified robot.",
     );
     let rows: Vec<_> = prediction_trials(bench)
         .into_iter()
@@ -104,13 +104,14 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportErr
         ],
         &rows,
     );
-    let limits = |of: &dyn Fn(&iiwa_kin::Limits) -> [f64; 7]| {
-        let (found, truth) = (of(identified.limits()), of(arm.robot.limits()));
-        (0..7).map(|j| 100.0 * (found[j] / truth[j] - 1.0).abs()).fold(0.0, f64::max)
+    let limits = |quantity: &dyn Fn(&iiwa_kin::Limits) -> [f64; 7]| {
+        let (estimated, truth) = (quantity(identified.limits()), quantity(arm.robot.limits()));
+        (0..7).map(|j| 100.0 * (estimated[j] / truth[j] - 1.0).abs()).fold(0.0, f64::max)
     };
     chapter.paragraph(format!(
-        "Of its limits, those of velocity were found within {:.3} %, of acceleration within {:.3} %, of jerk \
-         within {:.2} %; kappa at 90 deg is {:.3} and was found as {:.3}; it settles for {SETTLE_S} s, found: {:.4} s.",
+        "Of its limits, those of velocity were found within {:.3} %, of acceleration within {:.3} \
+         %, of jerk within {:.2} %; kappa at 90 deg is {:.3} and was found as {:.3}; it settles \
+         for {SETTLE_S} s, found: {:.4} s.",
         limits(&|limits| limits.velocity_rad_s),
         limits(&|limits| limits.acceleration_rad_s2),
         limits(&|limits| limits.jerk_rad_s3),

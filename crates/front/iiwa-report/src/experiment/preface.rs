@@ -83,25 +83,26 @@ pub fn preface(
                 Some(name) => format!("`{name}`, while the model is {model}"),
             };
             paragraph(&format!(
-                "**Everything measured here was measured on a virtual robot, not on a real one.** It is a \
-                 simulation in the same process, which plans under limits of velocity, acceleration and \
-                 jerk and is sampled with noise of {:e} rad. It is {robot}. Agreement with the model shows \
-                 that the methods work. It does not show that a real robot behaves like the model: for \
-                 that, the same programs have to be run on one.",
+                "**Everything measured here was measured on a virtual robot, not on a real one.** \
+                 It is a simulation in the same process, which plans under limits of velocity, \
+                 acceleration and jerk and is sampled with noise of {:e} rad. It is {robot}. \
+                 Agreement with the model shows that the methods work. It does not show that a \
+                 real robot behaves like the model: for that, the same programs have to be run on \
+                 one.",
                 arm.noise_rad
             ));
         }
         None => paragraph(&format!(
-            "Measured {}; the model is {model}. The drive does not report whether that was a real robot or \
-             a simulated cabinet.",
+            "Measured {}; the model is {model}. The drive does not report whether that was a real \
+             robot or a simulated cabinet.",
             bench.on
         )),
     }
     paragraph(
-        "\"The thesis\" is C. Larsen, *Including a Collaborative Robot in Digital Twin Manufacturing \
-         Systems* (Chalmers 2019); figures, tables and equations have its numbers. Its figures are not \
-         reproduced here; its results are quoted in words or numbers. In the figures, calculated values are \
-         blue and measured ones red.",
+        "\"The thesis\" is C. Larsen, *Including a Collaborative Robot in Digital Twin \
+         Manufacturing Systems* (Chalmers 2019); figures, tables and equations have its numbers. \
+         Its figures are not reproduced here; its results are quoted in words or numbers. In the \
+         figures, calculated values are blue and measured ones red.",
     );
     if has_thesis && !thesis_only {
         paragraph("The chapter on blends of paths of the TCP is not in the thesis.");

@@ -12,21 +12,21 @@ use super::{
 const THESIS_S: [f64; 2] = [0.049_608, 0.009_818];
 
 pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
-    let found = identified(bench, runs)?;
+    let identified = identified(bench, runs)?;
     let mut chapter = Chapter::new("The time to settle: Appendix C, Table 6");
     let points: usize = runs.iter().map(|run| run.trial.program.motions.len()).sum();
     chapter.paragraph(format!(
-        "{points} random points at random speeds without blends, {}. The time to settle is that from the \
-         end of a motion to the start of the next, both found by fitting the seven phases of constant jerk \
-         to all samples of a motion.",
+        "{points} random points at random speeds without blends, {}. The time to settle is that \
+         from the end of a motion to the start of the next, both found by fitting the seven phases \
+         of constant jerk to all samples of a motion.",
         bench.on
     ));
-    let Some(settle) = found.settle else {
+    let Some(settle) = identified.settle else {
         chapter.paragraph("No stop between two motions was found.");
         return Ok(chapter);
     };
-    let row = |what: &str, mean: String, deviation: f64, stops: String| {
-        vec![what.to_owned(), mean, format!("{deviation:.6}"), stops]
+    let row = |label: &str, mean: String, deviation: f64, stops: String| {
+        vec![label.to_owned(), mean, format!("{deviation:.6}"), stops]
     };
     chapter.table(
         &["Table 6", "mean s", "standard deviation s", "stops"],
@@ -41,12 +41,12 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
         ],
     );
     chapter.paragraph(format!(
-        "The model settles for {} s at each stop. The thesis does not explain its standard deviation, a \
-         fifth of the mean. For an arm that always settles for the same time, the deviation here is the \
-         error of the ends of motions as found in the samples. (Table 6 and section 2.4.2 agree on 0.05 s; \
-         the 0.005 s in the text of Appendix C is a slip.)",
+        "The model settles for {} s at each stop. The thesis does not explain its standard \
+         deviation, a fifth of the mean. For an arm that always settles for the same time, the \
+         deviation here is the error of the ends of motions as found in the samples. (Table 6 and \
+         section 2.4.2 agree on 0.05 s; the 0.005 s in the text of Appendix C is a slip.)",
         bench.model.settle_time_s()
     ));
-    chapter.paragraph(left_out(runs, &found.left_out));
+    chapter.paragraph(left_out(runs, &identified.left_out));
     Ok(chapter)
 }

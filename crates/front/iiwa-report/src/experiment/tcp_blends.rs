@@ -23,17 +23,18 @@ use super::{
 pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
     let mut chapter = Chapter::new("Blends of paths of the TCP: not in the thesis");
     let Some(run) = runs.first() else { return Ok(chapter) };
-    let found = identified(bench, runs)?;
+    let identified = identified(bench, runs)?;
     chapter.paragraph(format!(
-        "The thesis measured blends between motions that are straight in joint space, and names motions of the TCP as \
-         future work. How the robot's controller blends them, and how orientation and E1 go along them, is assumed; \
-         docs/cartesian.md lists it. This program shows it, {}: with the flange downwards, the TCP turns corners at \
-         one point in a horizontal plane, at angles from 0 to 170 deg, with blends of 40 mm between LINs of 120 and 90 \
-         mm; with blends that are longer than half of the shorter LIN; with orientation and E1 that change; between \
-         LIN and CIRC; and between PTP and LIN.",
+        "The thesis measured blends between motions that are straight in joint space, and names \
+         motions of the TCP as future work. How the robot's controller blends them, and how \
+         orientation and E1 go along them, is assumed; docs/cartesian.md lists it. This program \
+         shows it, {}: with the flange downwards, the TCP turns corners at one point in a \
+         horizontal plane, at angles from 0 to 170 deg, with blends of 40 mm between LINs of 120 \
+         and 90 mm; with blends that are longer than half of the shorter LIN; with orientation and \
+         E1 that change; between LIN and CIRC; and between PTP and LIN.",
         bench.on
     ));
-    let plots = corners(bench, run, &found)?;
+    let plots = corners(bench, run, &identified)?;
     if !plots.is_empty() {
         chapter.figure(
             bench,
@@ -42,22 +43,27 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
             draw(&plots, 2, 1200, 620)?,
         );
     }
-    kappa(bench, &mut chapter, &found)?;
-    reach(&mut chapter, &found);
-    laws(&mut chapter, &found.courses);
-    chapter.paragraph(left_out(runs, &found.left_out));
+    kappa(bench, &mut chapter, &identified)?;
+    reach(&mut chapter, &identified);
+    laws(&mut chapter, &identified.courses);
+    chapter.paragraph(left_out(runs, &identified.left_out));
     Ok(chapter)
 }
 
 /// Plots the paths near the corners: blends of full length, and blends shortened to half of a
 /// motion.
-fn corners(bench: &Bench, run: &TrialRun, found: &Identified) -> Result<Vec<Plot>, ReportError> {
+fn corners(
+    bench: &Bench,
+    run: &TrialRun,
+    identified: &Identified,
+) -> Result<Vec<Plot>, ReportError> {
     let path = path(bench, &run.trial, PathOptions::default())?;
-    let mut lengths_m: Vec<f64> = found.tcp_blends.iter().map(|blend| blend.reach_m).collect();
+    let mut lengths_m: Vec<f64> = identified.tcp_blends.iter().map(|blend| blend.reach_m).collect();
     lengths_m.sort_by(|a, b| b.total_cmp(a));
     lengths_m.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
     let plot = |reach_m: &f64| {
-        let blends = found.tcp_blends.iter().filter(|blend| (blend.reach_m - reach_m).abs() < 1e-6);
+        let blends =
+            identified.tcp_blends.iter().filter(|blend| (blend.reach_m - reach_m).abs() < 1e-6);
         let (measured, calculated) = blends
             .map(|blend| (measured(bench, run, &path, blend), calculated(&path, blend)))
             .unzip();
@@ -83,8 +89,8 @@ fn measured(
     blend: &TcpBlendObservation,
 ) -> Vec<Point> {
     debug_assert_eq!(path.robot().lengths(), bench.model.lengths());
-    let at = |t_s: f64| run.log.t_s.partition_point(|t| *t < t_s);
-    let [from, to] = blend.time_s.map(at);
+    let sample_at = |t_s: f64| run.log.t_s.partition_point(|t| *t < t_s);
+    let [from, to] = blend.time_s.map(sample_at);
     run.log.q_rad[from..to].iter().map(|q| from_above(path, blend, q)).collect()
 }
 
@@ -94,24 +100,26 @@ fn calculated(path: &JointPath, blend: &TcpBlendObservation) -> Vec<Point> {
     (0..=100).map(|i| from_above(path, blend, &segment.at(f64::from(i) / 100.0).q)).collect()
 }
 
-fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(), ReportError> {
-    let Some(kappa) = &found.tcp_kappa else {
+fn kappa(bench: &Bench, chapter: &mut Chapter, identified: &Identified) -> Result<(), ReportError> {
+    let Some(kappa) = &identified.tcp_kappa else {
         chapter.paragraph("Too few blends were found for kappa(gamma).");
         return Ok(());
     };
-    let observed = found.tcp_blends.iter().map(|blend| (blend.gamma_deg, blend.kappa.0)).collect();
+    let observed =
+        identified.tcp_blends.iter().map(|blend| (blend.gamma_deg, blend.kappa.0)).collect();
     let words = ["the model", "kappa minus the model's"];
     let plots = kappa_plots(kappa, observed, |gamma| bench.model.tcp_kappa(gamma), words);
-    let caption = "kappa as found in each blend between two LINs, over the angle of the TCP's directions; the \
-                   polynomial through all of them, and the model's";
+    let caption = "kappa as found in each blend between two LINs, over the angle of the TCP's \
+        directions; the polynomial through all of them, and the model's";
     chapter.figure(bench, "tcp-kappa", caption, draw(&plots, 2, 1200, 440)?);
     let [c0, c1, c2] = kappa.coefficients();
     let [m0, m1, m2] = bench.model.tcp_blend_kappa();
     chapter.paragraph(format!(
-        "Found in {} blends from {:.0} to {:.0} deg: kappa = {c2:.8} gamma^2 {c1:+.8} gamma {c0:+.8}, with {:.4} as the \
-         root mean square of the residuals. The model has {m2:.8} gamma^2 {m1:+.8} gamma {m0:+.8}, which leave over \
-         {:.4}. In a profile it is `tcp_blend_kappa`.",
-        found.tcp_blends.len(),
+        "Found in {} blends from {:.0} to {:.0} deg: kappa = {c2:.8} gamma^2 {c1:+.8} gamma \
+         {c0:+.8}, with {:.4} as the root mean square of the residuals. The model has {m2:.8} \
+         gamma^2 {m1:+.8} gamma {m0:+.8}, which leave over {:.4}. In a profile it is \
+         `tcp_blend_kappa`.",
+        identified.tcp_blends.len(),
         kappa.gamma_deg[0],
         kappa.gamma_deg[1],
         kappa.residual,
@@ -121,17 +129,17 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, found: &Identified) -> Result<(),
 }
 
 /// Reports the start and the end of blends.
-fn reach(chapter: &mut Chapter, found: &Identified) {
+fn reach(chapter: &mut Chapter, identified: &Identified) {
     let mut rows = Vec::new();
-    if let Some(reach) = &found.tcp_reach {
+    if let Some(reach) = &identified.tcp_reach {
         for (side, reach) in ["before the target", "behind the target"].into_iter().zip(reach) {
-            let what = format!("way {side}, as a share of `cart_mm`");
-            rows.push(vec![what, reach.to_string(), reach.count.to_string(), "1".to_owned()]);
+            let label = format!("way {side}, as a share of `cart_mm`");
+            rows.push(vec![label, reach.to_string(), reach.count.to_string(), "1".to_owned()]);
         }
     }
-    if let Some(share) = &found.tcp_unequal_share {
-        let what = "difference of both sides, as a share of that without evening them".to_owned();
-        rows.push(vec![what, share.to_string(), share.count.to_string(), "0".to_owned()]);
+    if let Some(share) = &identified.tcp_unequal_share {
+        let label = "difference of both sides, as a share of that without evening them".to_owned();
+        rows.push(vec![label, share.to_string(), share.count.to_string(), "0".to_owned()]);
     }
     if !rows.is_empty() {
         chapter.table(&["where blends begin and end", "found (95 %)", "blends", "assumed"], &rows);
@@ -183,7 +191,8 @@ fn laws(chapter: &mut Chapter, courses: &[CourseObservation]) {
     }
     chapter.table(&["part", "number", "TCP mm", "orientation deg", "E1 deg"], &rows);
     chapter.paragraph(
-        "The largest distances from what is assumed, with kappa as found: each sample is held against the place of the \
-         assumed path that is nearest to its TCP, whenever the arm is there. Noise is in them.",
+        "The largest distances from what is assumed, with kappa as found: each sample is held \
+         against the place of the assumed path that is nearest to its TCP, whenever the arm is \
+         there. Noise is in them.",
     );
 }

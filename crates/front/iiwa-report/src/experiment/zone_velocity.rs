@@ -40,8 +40,9 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     let mut chapter = Chapter::new("Velocity in blends: Appendix B, Fig. 29");
     let Some(TrialRun { trial, log }) = runs.first() else { return Ok(chapter) };
     chapter.paragraph(format!(
-        "The program of Appendix B, unchanged, {}: four motions with blends of 200, 50 and 100 mm, at 75, \
-         10, 50 and 20 % of full speed. Samples are differentiated by cubics fitted to {:.0} ms about each.",
+        "The program of Appendix B, unchanged, {}: four motions with blends of 200, 50 and 100 mm, \
+         at 75, 10, 50 and 20 % of full speed. Samples are differentiated by cubics fitted to \
+         {:.0} ms about each.",
         bench.on,
         2e3 * HALF_WINDOW_S
     ));
@@ -51,8 +52,9 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     chapter.figure(
         bench,
         "29",
-        "Fig. 29: path of the flange in the xz plane, coloured by the speed of joints 2, 4 and 6, in % of \
-         their limits; circles where blends start and stop; the motions' relative velocities beside them",
+        "Fig. 29: path of the flange in the xz plane, coloured by the speed of joints 2, 4 and 6, \
+         in % of their limits; circles where blends start and stop; the motions' relative \
+         velocities beside them",
         svg,
     );
 
@@ -88,10 +90,11 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
         &rows,
     );
     chapter.paragraph(format!(
-        "The velocity of the fastest joint, relative to its limit, stays within that of the next motion, \
-         with a tolerance of {NOISE_PERCENT} % for the error of differentiation, in {kept} of {} blends. \
-         The thesis reports that the arm slows down before the blend, keeps a constant velocity in it, and \
-         that the velocity in the blend is bounded by the following instruction's.",
+        "The velocity of the fastest joint, relative to its limit, stays within that of the next \
+         motion, with a tolerance of {NOISE_PERCENT} % for the error of differentiation, in {kept} \
+         of {} blends. The thesis reports that the arm slows down before the blend, keeps a \
+         constant velocity in it, and that the velocity in the blend is bounded by the following \
+         instruction's.",
         blends.len()
     ));
     Ok(chapter)
@@ -109,9 +112,9 @@ fn blends(path: &iiwa_path::JointPath, log: &JointLog) -> Vec<MeasuredBlend> {
     let mut nearest = |to: &Joints| {
         let off = |q: &Joints| (0..7).map(|j| (q[j] - to[j]).powi(2)).sum::<f64>();
         let rest = log.q_rad.iter().enumerate().skip(from);
-        let at = rest.min_by(|a, b| off(a.1).total_cmp(&off(b.1))).map_or(from, |(i, _)| i);
-        from = at;
-        at
+        let middle = rest.min_by(|a, b| off(a.1).total_cmp(&off(b.1))).map_or(from, |(i, _)| i);
+        from = middle;
+        middle
     };
     path.blends()
         .map(|(_, segment)| {
@@ -194,8 +197,8 @@ fn figure(
                 plot = plot.lines(parts.collect(), colour, 4.0, &label);
             }
             plot = plot.circles(circles.clone(), INK, "");
-            for (at, text) in &notes {
-                plot = plot.note(*at, text.clone());
+            for (position, text) in &notes {
+                plot = plot.note(*position, text.clone());
             }
             plot.legend_at(SeriesLabelPosition::UpperRight)
         })

@@ -88,7 +88,7 @@ impl KappaFigure {
             self.residual,
             self.residual_of_model
         );
-        let widest = self.at.iter().map(|at| at.uncertainty).fold(0.0, f64::max);
+        let widest = self.at.iter().map(|point| point.uncertainty).fold(0.0, f64::max);
         let _ = writeln!(text, "Uncertainty of {name} within that range: {widest:.4} at most");
     }
 }

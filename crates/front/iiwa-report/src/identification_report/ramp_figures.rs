@@ -29,16 +29,16 @@ pub(super) struct RampFigures {
 }
 
 impl RampFigures {
-    pub(super) fn new(found: &RampEstimates) -> Self {
+    pub(super) fn new(ramps: &RampEstimates) -> Self {
         let figures = |all: &[Option<Estimate>; 7]| all.map(|figure| figure.map(Figure::from));
         Self {
-            torque_snap_nm_s2: figures(&found.torque_snap_nm_s2),
-            start_nm_s: figures(&found.start_nm_s),
-            stop_nm_s: figures(&found.stop_nm_s),
-            motions: found.motions,
-            residual_deg: found.residual_rad.to_degrees(),
-            jerk_residual_deg: found.jerk_residual_rad.to_degrees(),
-            noise_deg: found.noise_rad.to_degrees(),
+            torque_snap_nm_s2: figures(&ramps.torque_snap_nm_s2),
+            start_nm_s: figures(&ramps.start_nm_s),
+            stop_nm_s: figures(&ramps.stop_nm_s),
+            motions: ramps.motions,
+            residual_deg: ramps.residual_rad.to_degrees(),
+            jerk_residual_deg: ramps.jerk_residual_rad.to_degrees(),
+            noise_deg: ramps.noise_rad.to_degrees(),
         }
     }
 
@@ -46,8 +46,9 @@ impl RampFigures {
         let Self { motions, residual_deg, jerk_residual_deg, noise_deg, .. } = self;
         let _ = writeln!(
             text,
-            "Ramps begin with constant snap, as under Sunrise: {motions} motions, {residual_deg:.1e} deg left over, \
-             {jerk_residual_deg:.1e} deg by constant jerk, noise {noise_deg:.1e} deg"
+            "Ramps begin with constant snap, as under Sunrise: {motions} motions, \
+             {residual_deg:.1e} deg left over, {jerk_residual_deg:.1e} deg by constant jerk, noise \
+             {noise_deg:.1e} deg"
         );
         for (name, figures, model) in [
             ("S, Nm/s^2", &self.torque_snap_nm_s2, &model.torque_snap_nm_s2),
@@ -65,24 +66,26 @@ impl RampFigures {
             let _ = writeln!(text, "  {name}: {shown}");
         }
         text.push_str(
-            "  S and R of other joints, B, c and the width of a phase do not show: they are the model's\n",
+            "  S and R of other joints, B, c and the width of a phase do not show: they are the \
+             model's\n",
         );
     }
 }
 
 /// Returns a note about motions that no known law explains, if any.
-pub(super) fn unexplained(found: &Identified) -> Option<String> {
-    let all = found.lines.iter().filter(|line| line.is_unexplained());
+pub(super) fn unexplained(identified: &Identified) -> Option<String> {
+    let all = identified.lines.iter().filter(|line| line.is_unexplained());
     let worst = all.clone().max_by(|a, b| a.residual_rad.total_cmp(&b.residual_rad))?;
     let law = match worst.law {
         LineLaw::Jerk => "constant jerk",
         LineLaw::Snap => "constant snap",
     };
     Some(format!(
-        "{} of {} motions are not explained: {:.1e} deg are left over of motion {} by {law}, and the noise is {:.1e} deg; their \
-         figures are less certain than stated. Did the robot run at the stated override, and the program at full length?",
+        "{} of {} motions are not explained: {:.1e} deg are left over of motion {} by {law}, and \
+         the noise is {:.1e} deg; their figures are less certain than stated. Did the robot run at \
+         the stated override, and the program at full length?",
         all.count(),
-        found.lines.len(),
+        identified.lines.len(),
         worst.residual_rad.to_degrees(),
         worst.motion,
         worst.noise_rad.to_degrees(),

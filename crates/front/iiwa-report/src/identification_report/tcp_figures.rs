@@ -94,17 +94,17 @@ impl From<&CourseObservation> for CourseRow {
 
 impl TcpFigures {
     /// Returns the figures; `None` if the recordings have no TCP paths.
-    pub(super) fn of(found: &Identified) -> Option<Self> {
-        let is_empty = found.tcp_blends.is_empty() && found.courses.is_empty();
+    pub(super) fn of(identified: &Identified) -> Option<Self> {
+        let is_empty = identified.tcp_blends.is_empty() && identified.courses.is_empty();
         (!is_empty).then(|| Self {
-            kappa: found
+            kappa: identified
                 .tcp_kappa
                 .as_ref()
-                .map(|kappa| KappaFigure::new(kappa, found.tcp_blends.len())),
-            reach: found.tcp_reach.map(|reach| reach.map(Figure::from)),
-            unequal_share: found.tcp_unequal_share.map(Figure::from),
-            blends: found.tcp_blends.iter().map(TcpBlendRow::from).collect(),
-            courses: found.courses.iter().map(CourseRow::from).collect(),
+                .map(|kappa| KappaFigure::new(kappa, identified.tcp_blends.len())),
+            reach: identified.tcp_reach.map(|reach| reach.map(Figure::from)),
+            unequal_share: identified.tcp_unequal_share.map(Figure::from),
+            blends: identified.tcp_blends.iter().map(TcpBlendRow::from).collect(),
+            courses: identified.courses.iter().map(CourseRow::from).collect(),
         })
     }
 
@@ -115,7 +115,8 @@ impl TcpFigures {
             None => {
                 let _ = writeln!(
                     text,
-                    "kappa of blends of the TCP: not found; it needs blends between LINs at different angles ({} found)",
+                    "kappa of blends of the TCP: not found; it needs blends between LINs at \
+                     different angles ({} found)",
                     self.blends.len()
                 );
             }
@@ -123,7 +124,8 @@ impl TcpFigures {
         if let Some([before, after]) = &self.reach {
             let _ = writeln!(
                 text,
-                "They begin {before} times `cart_mm` before the target and end {after} times behind it, {}",
+                "They begin {before} times `cart_mm` before the target and end {after} times \
+                 behind it, {}",
                 blends(before.count)
             );
         }
@@ -131,8 +133,8 @@ impl TcpFigures {
             let holds = share.is_zero_within(EQUAL_SHARE);
             let _ = writeln!(
                 text,
-                "They begin and end at equal ways: {}; the difference is {share} of that of sides that go by themselves, \
-                 {}",
+                "They begin and end at equal ways: {}; the difference is {share} of that of sides \
+                 that go by themselves, {}",
                 if holds { "confirmed" } else { "not confirmed" },
                 blends(share.count)
             );
@@ -147,7 +149,8 @@ impl TcpFigures {
                 |figure: &dyn Fn(&CourseRow) -> f64| rows().map(figure).fold(0.0, f64::max);
             let _ = writeln!(
                 text,
-                "{} {part}, at most away from what is assumed: TCP {:.3} mm, orientation {:.3} deg, E1 {:.3} deg",
+                "{} {part}, at most away from what is assumed: TCP {:.3} mm, orientation {:.3} \
+                 deg, E1 {:.3} deg",
                 rows().count(),
                 largest(&|row| row.off_mm),
                 largest(&|row| row.turn_off_deg),

@@ -56,28 +56,30 @@ impl From<&Load> for ProgramLoad {
 }
 
 impl From<&LoadEstimate> for LoadRow {
-    fn from(found: &LoadEstimate) -> Self {
+    fn from(load: &LoadEstimate) -> Self {
         Self {
-            recordings: found.recordings.iter().map(|recording| recording + 1).collect(),
-            stated: found.stated.as_ref().map(ProgramLoad::from),
-            mass_kg: found.mass_kg.map(Figure::from),
-            center_mm: found.center_mm.map(|center| center.map(Figure::from)),
-            untold: found.untold(),
-            load: found.load().as_ref().map(ProgramLoad::from),
+            recordings: load.recordings.iter().map(|recording| recording + 1).collect(),
+            stated: load.stated.as_ref().map(ProgramLoad::from),
+            mass_kg: load.mass_kg.map(Figure::from),
+            center_mm: load.center_mm.map(|center| center.map(Figure::from)),
+            untold: load.untold(),
+            load: load.load().as_ref().map(ProgramLoad::from),
         }
     }
 }
 
 impl TorqueFigures {
-    pub(super) fn new(found: &TorqueEstimates) -> Self {
-        let figures = |found: &[Option<Estimate>; 7]| found.map(|found| found.map(Figure::from));
+    pub(super) fn new(torques: &TorqueEstimates) -> Self {
+        let figures = |estimates: &[Option<Estimate>; 7]| {
+            estimates.map(|estimate| estimate.map(Figure::from))
+        };
         Self {
-            loads: found.loads.iter().map(LoadRow::from).collect(),
-            viscous_nm_s_rad: figures(&found.viscous_nm_s_rad),
-            coulomb_nm: figures(&found.coulomb_nm),
-            residual_nm: found.residual_nm,
-            window_s: found.window_s,
-            turned: found.turned,
+            loads: torques.loads.iter().map(LoadRow::from).collect(),
+            viscous_nm_s_rad: figures(&torques.viscous_nm_s_rad),
+            coulomb_nm: figures(&torques.coulomb_nm),
+            residual_nm: torques.residual_nm,
+            window_s: torques.window_s,
+            turned: torques.turned,
         }
     }
 
@@ -110,7 +112,8 @@ impl TorqueFigures {
             } else if load.mass_kg.is_none_or(|mass| !mass.is_zero_within(0.0)) {
                 let _ = writeln!(
                     text,
-                    "      not told: {}; it takes motions that turn A2, A4 and A6, and the flange away from straight down",
+                    "      not told: {}; it takes motions that turn A2, A4 and A6, and the flange \
+                     away from straight down",
                     load.untold.join(", ")
                 );
             }

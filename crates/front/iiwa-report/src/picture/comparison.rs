@@ -70,12 +70,12 @@ fn draw_paths(
 }
 
 /// Smallest deviation that is distinguished from zero, in mm or mrad.
-const LEAST: f64 = 0.001;
+const MIN_SHOWN: f64 = 0.001;
 
 /// Draws a deviation over the time since the program start; every other motion is shaded.
 fn draw_deviation(
     area: &Area<'_>,
-    (what, unit): (&str, &str),
+    (quantity, unit): (&str, &str),
     comparison: &Comparison,
     value: impl Fn(&TracePoint) -> f64,
 ) -> Drawn {
@@ -83,12 +83,12 @@ fn draw_deviation(
     let start_s = trace.first().map_or(0.0, |point| point.plan_s - point.measured_s);
     let last_s = trace.last().map_or(0.0, |point| start_s + point.measured_s);
     let end_s = comparison.cycle_time.simulated_s.max(last_s).max(1e-3);
-    let most = trace.iter().map(&value).fold(0.0, f64::max);
-    let top = 1.15 * most.max(LEAST);
-    let title = if most < LEAST {
-        format!("{what}: below {LEAST} {unit}, over the arm's time in s")
+    let peak = trace.iter().map(&value).fold(0.0, f64::max);
+    let top = 1.15 * peak.max(MIN_SHOWN);
+    let title = if peak < MIN_SHOWN {
+        format!("{quantity}: below {MIN_SHOWN} {unit}, over the arm's time in s")
     } else {
-        format!("{what} in {unit}, over the arm's time in s")
+        format!("{quantity} in {unit}, over the arm's time in s")
     };
     let mut chart = ChartBuilder::on(area)
         .caption(title, font())

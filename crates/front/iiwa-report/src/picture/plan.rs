@@ -144,9 +144,9 @@ impl PlanPicture {
     fn draw_path(&self, area: &Area<'_>) -> Drawn {
         let space = Space::of(self.samples.iter().map(|sample| sample.tcp_mm));
         let [(across, up), ..] = space.planes();
-        let what = if self.has_tools { "TCP" } else { "flange" };
+        let subject = if self.has_tools { "TCP" } else { "flange" };
         let caption =
-            format!("Path of the {what}, coloured by the fastest joint's share of its limit");
+            format!("Path of the {subject}, coloured by the fastest joint's share of its limit");
         let mut chart = space.chart(area, &caption, (across, up))?;
         let point = |mm: [f64; 3]| (mm[across], mm[up]);
         for blend in &self.blends {
@@ -198,15 +198,15 @@ impl PlanPicture {
         let shown = chart.x_range();
         let length = AXIS * (shown.end - shown.start);
         for frame in self.frames.iter().take(FRAMES) {
-            let at = frame.pose.position_m.map(|v| 1e3 * v);
+            let position_mm = frame.pose.position_m.map(|v| 1e3 * v);
             for (axis, colour) in AXES.iter().enumerate() {
-                let end = |i: usize| at[i] + length * frame.pose.rotation[i][axis];
-                let line = [(at[across], at[up]), (end(across), end(up))];
+                let end = |i: usize| position_mm[i] + length * frame.pose.rotation[i][axis];
+                let line = [(position_mm[across], position_mm[up]), (end(across), end(up))];
                 chart.draw_series([PathElement::new(line, colour.stroke_width(2 * FINE))])?;
             }
             if let Some(name) = &frame.name {
                 let style = ("sans-serif", 12 * FINE).into_font().color(&INK);
-                let place = (at[across] + 0.2 * length, at[up] - 0.2 * length);
+                let place = (position_mm[across] + 0.2 * length, position_mm[up] - 0.2 * length);
                 chart.draw_series([Text::new(name.clone(), place, style)])?;
             }
         }
@@ -216,13 +216,14 @@ impl PlanPicture {
     /// Draws the TCP speed.
     fn draw_tcp_speed(&self, area: &Area<'_>) -> Drawn {
         let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
-        let most = self.samples.iter().fold(1e-3_f64, |most, sample| most.max(sample.tcp_mm_s));
+        let max_mm_s =
+            self.samples.iter().fold(1e-3_f64, |max_mm_s, sample| max_mm_s.max(sample.tcp_mm_s));
         let mut chart = ChartBuilder::on(area)
             .caption("Speed of the TCP in mm/s", font())
             .margin(14 * FINE)
             .x_label_area_size(44 * FINE)
             .y_label_area_size(62 * FINE)
-            .build_cartesian_2d(0.0..end, 0.0..1.05 * most)?;
+            .build_cartesian_2d(0.0..end, 0.0..1.05 * max_mm_s)?;
         chart
             .configure_mesh()
             .light_line_style(WHITE.mix(0.0))

@@ -115,8 +115,8 @@ impl Plot {
     }
 
     /// Adds a text beside a point.
-    pub(crate) fn note(mut self, at: Point, text: impl Into<String>) -> Self {
-        self.notes.push((at, text.into()));
+    pub(crate) fn note(mut self, position: Point, text: impl Into<String>) -> Self {
+        self.notes.push((position, text.into()));
         self
     }
 
@@ -132,9 +132,9 @@ impl Plot {
             return ranges.clone();
         }
         let points = || self.layers.iter().flat_map(|layer| layer.parts.iter().flatten());
-        let range = |of: fn(&Point) -> f64| {
-            let low = points().map(of).fold(f64::INFINITY, f64::min);
-            let high = points().map(of).fold(f64::NEG_INFINITY, f64::max);
+        let range = |coordinate: fn(&Point) -> f64| {
+            let low = points().map(coordinate).fold(f64::INFINITY, f64::min);
+            let high = points().map(coordinate).fold(f64::NEG_INFINITY, f64::max);
             let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
             let margin = (0.05 * (high - low)).max(1e-9 * high.abs()).max(1e-9);
             low - margin..high + margin
@@ -203,12 +203,13 @@ impl Plot {
                     Mark::Dots => {
                         let dots = part.iter().filter(|point| inside(point));
                         chart.draw_series(
-                            dots.map(|at| Circle::new(*at, DOT * 3 / 5, colour.filled())),
+                            dots.map(|center| Circle::new(*center, DOT * 3 / 5, colour.filled())),
                         )?;
                     }
                     Mark::Circles => {
                         let circles = part.iter().filter(|point| inside(point));
-                        chart.draw_series(circles.map(|at| Circle::new(*at, DOT, stroke)))?;
+                        chart
+                            .draw_series(circles.map(|center| Circle::new(*center, DOT, stroke)))?;
                     }
                     Mark::Band => {
                         chart
@@ -236,7 +237,7 @@ impl Plot {
             };
         }
         chart.draw_series(
-            self.notes.iter().map(|(at, text)| Text::new(text.clone(), *at, font())),
+            self.notes.iter().map(|(position, text)| Text::new(text.clone(), *position, font())),
         )?;
         if self.layers.iter().any(|layer| layer.label.is_some()) {
             legend(&mut chart, self.legend_at.clone())?;

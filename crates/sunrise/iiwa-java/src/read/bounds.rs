@@ -11,11 +11,11 @@ use super::{
 
 /// Maximum depth of the tree. Each bracket, operator, statement and chained call is one or two
 /// levels.
-pub(super) const MOST_LEVELS: usize = 2000;
+pub(super) const MAX_LEVELS: usize = 2000;
 
 /// Maximum number of progress callbacks of the parser for each token; each callback is 100 steps.
 /// Java sources need less than one.
-pub(super) const MOST_CALLS_PER_TOKEN: usize = 10;
+pub(super) const MAX_CALLS_PER_TOKEN: usize = 10;
 
 /// Checks that the brackets of a file match: the parser reports this error, too, but far after the
 /// missing bracket.
@@ -34,7 +34,8 @@ pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), Fault> {
                 if expected != text {
                     let (opened, line) = (tokens.text(opened), tokens.line(opened));
                     let message = format!(
-                        "`{expected}` is expected, which closes the `{opened}` of line {line}, not `{text}`"
+                        "`{expected}` is expected, which closes the `{opened}` of line {line}, not \
+                         `{text}`"
                     );
                     return Err(Fault::syntax(tokens.start(index), message));
                 }

@@ -19,11 +19,11 @@ impl Reader<'_> {
         for node in children(program) {
             match node.kind() {
                 "package_declaration" | "import_declaration" if !is_within_head => {
-                    let what = "`package` and `import` are expected before all classes";
-                    return Err(Fault::syntax(node.start(), what));
+                    let message = "`package` and `import` are expected before all classes";
+                    return Err(Fault::syntax(node.start(), message));
                 }
                 "package_declaration" => {
-                    let name = named(node).into_iter().find(|own| !is_annotation(*own));
+                    let name = named(node).into_iter().find(|node| !is_annotation(*node));
                     read.package = self.path(name.ok_or_else(|| self.misread(node))?)?;
                 }
                 "import_declaration" => read.imports.push(self.import(node)?),
@@ -34,8 +34,8 @@ impl Reader<'_> {
                     read.classes.extend(self.class(node)?);
                 }
                 _ => {
-                    let what = "a class is expected: what is here is outside of any";
-                    return Err(Fault::syntax(node.start(), what));
+                    let message = "a class is expected: what is here is outside of any";
+                    return Err(Fault::syntax(node.start(), message));
                 }
             }
         }
@@ -71,7 +71,7 @@ impl Reader<'_> {
         }
         let interfaces =
             node.field("interfaces").or_else(|| child_of_kind(node, "extends_interfaces"));
-        if let Some(list) = interfaces.and_then(|own| child_of_kind(own, "type_list")) {
+        if let Some(list) = interfaces.and_then(|node| child_of_kind(node, "type_list")) {
             read.implements = self.type_names(&named(list))?;
         }
         let body = self.field(node, "body")?;
@@ -116,11 +116,11 @@ impl Reader<'_> {
         let line = class.line;
         let expression = |kind| Expression { line, kind };
         let field = |name: &str| {
-            let of = Box::new(expression(ExpressionKind::This));
-            expression(ExpressionKind::Field { of, name: name.to_owned() })
+            let object = Box::new(expression(ExpressionKind::This));
+            expression(ExpressionKind::Field { object, name: name.to_owned() })
         };
-        let is_canonical = |own: &Arc<Method>| {
-            let types = own.parameters.iter().map(|parameter| &parameter.type_name);
+        let is_canonical = |method: &Arc<Method>| {
+            let types = method.parameters.iter().map(|parameter| &parameter.type_name);
             types.eq(components.iter().map(|component| &component.type_name))
         };
         if !class.constructors.iter().any(is_canonical) {
@@ -139,9 +139,10 @@ impl Reader<'_> {
                 }));
                 statements.push(Statement { line, kind });
             }
-            let parameters = components
-                .iter()
-                .map(|own| Parameter { name: own.name.clone(), type_name: own.type_name.clone() });
+            let parameters = components.iter().map(|component| Parameter {
+                name: component.name.clone(),
+                type_name: component.type_name.clone(),
+            });
             class.constructors.push(Arc::new(Method {
                 name: class.name.clone(),
                 line,
@@ -155,8 +156,10 @@ impl Reader<'_> {
             }));
         }
         for Parameter { name, type_name } in components {
-            let is_declared =
-                class.methods.iter().any(|own| own.name == name && own.parameters.is_empty());
+            let is_declared = class
+                .methods
+                .iter()
+                .any(|method| method.name == name && method.parameters.is_empty());
             if !is_declared {
                 let kind = StatementKind::Return(Some(field(&name)));
                 class.methods.push(Arc::new(Method {
@@ -213,7 +216,8 @@ impl Reader<'_> {
         Ok(Constant {
             name: self.name(name)?,
             line: self.line(name),
-            arguments: arguments.map_or(Ok(Vec::new()), |own| self.expressions(&named(own)))?,
+            arguments: arguments
+                .map_or(Ok(Vec::new()), |argument| self.expressions(&named(argument)))?,
             body: body
                 .map(|body| self.unnamed_class(name, TypeName::new(class, 0), body))
                 .transpose()?,
@@ -261,8 +265,8 @@ impl Reader<'_> {
         let written = self.field(node, "name")?;
         let name = self.name(written)?;
         if name != class {
-            let what = format!("`{name}` lacks the type that it returns, or `void`");
-            return Err(Fault::syntax(written.start(), what));
+            let message = format!("`{name}` lacks the type that it returns, or `void`");
+            return Err(Fault::syntax(written.start(), message));
         }
         let (parameters, is_variadic) = self.parameters(self.field(node, "parameters")?)?;
         let mut body = Vec::new();
@@ -305,8 +309,8 @@ impl Reader<'_> {
         let mut is_variadic = false;
         for written in named(node) {
             if is_variadic {
-                let what = "a parameter with `...` is expected to be the last";
-                return Err(Fault::syntax(written.start(), what));
+                let message = "a parameter with `...` is expected to be the last";
+                return Err(Fault::syntax(written.start(), message));
             }
             match written.kind() {
                 "formal_parameter" => {
@@ -340,7 +344,7 @@ impl Reader<'_> {
     fn annotations(&self, node: Node<'_>) -> Result<Vec<Annotation>, Fault> {
         let mut read = Vec::new();
         let modifiers = child_of_kind(node, "modifiers").map_or(Vec::new(), named);
-        for annotation in modifiers.into_iter().filter(|own| is_annotation(*own)) {
+        for annotation in modifiers.into_iter().filter(|modifier| is_annotation(*modifier)) {
             let path = self.path(self.field(annotation, "name")?)?;
             let mut value = None;
             let arguments = annotation.field("arguments");

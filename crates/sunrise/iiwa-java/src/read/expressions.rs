@@ -41,9 +41,9 @@ impl Reader<'_> {
             "scoped_type_identifier" => return self.qualified_name(node),
             "method_invocation" => return self.call(node),
             "array_access" => {
-                let (of, start) = self.placed(self.field(node, "array")?)?;
+                let (array, start) = self.placed(self.field(node, "array")?)?;
                 let index = self.boxed(self.field(node, "index")?)?;
-                let kind = ExpressionKind::Index { of: Box::new(of), index };
+                let kind = ExpressionKind::Index { array: Box::new(array), index };
                 return Ok((Expression { line: self.lines.line(start), kind }, start));
             }
             "array_creation_expression" => self.new_array(node)?,
@@ -66,23 +66,23 @@ impl Reader<'_> {
 
     fn field_access(&self, node: Node<'_>) -> Result<Placed, Fault> {
         let object = self.field(node, "object")?;
-        let (mut of, start) = self.placed(object)?;
+        let (mut receiver, start) = self.placed(object)?;
         if let Some(above) = super_behind(node, object) {
-            of = Expression { line: self.line(above), kind: super_of_named_class() };
+            receiver = Expression { line: self.line(above), kind: super_of_named_class() };
         }
         let field = self.field(node, "field")?;
         let name = match field.kind() {
             "this" => "this".to_owned(),
             _ => self.name(field)?,
         };
-        let kind = ExpressionKind::Field { of: Box::new(of), name };
+        let kind = ExpressionKind::Field { object: Box::new(receiver), name };
         Ok((Expression { line: self.line(field), kind }, start))
     }
 
     fn qualified_name(&self, node: Node<'_>) -> Result<Placed, Fault> {
-        let [of, name] = named(node)[..] else { return Err(self.misread(node)) };
-        let (of, start) = self.operand(of)?;
-        let kind = ExpressionKind::Field { of: Box::new(of), name: self.name(name)? };
+        let [object, name] = named(node)[..] else { return Err(self.misread(node)) };
+        let (object, start) = self.operand(object)?;
+        let kind = ExpressionKind::Field { object: Box::new(object), name: self.name(name)? };
         Ok((Expression { line: self.line(name), kind }, start))
     }
 
@@ -112,7 +112,7 @@ impl Reader<'_> {
         for part in node.fields("dimensions") {
             dimensions += brackets(part);
             if part.kind() == "dimensions_expr" {
-                let length = named(part).into_iter().find(|own| !is_annotation(*own));
+                let length = named(part).into_iter().find(|node| !is_annotation(*node));
                 lengths.push(self.expression(length.ok_or_else(|| self.misread(part))?)?);
             }
         }
@@ -138,8 +138,8 @@ impl Reader<'_> {
     }
 }
 
-pub(super) fn unsupported(what: &str) -> ExpressionKind {
-    ExpressionKind::Unsupported(what.to_owned())
+pub(super) fn unsupported(construct: &str) -> ExpressionKind {
+    ExpressionKind::Unsupported(construct.to_owned())
 }
 
 fn super_of_named_class() -> ExpressionKind {

@@ -5,16 +5,16 @@ use crate::source_error::SourceFault;
 /// Fault with its byte offset.
 #[derive(Debug)]
 pub(super) struct Fault {
-    pub(super) at: usize,
-    pub(super) what: SourceFault,
+    pub(super) offset: usize,
+    pub(super) error: SourceFault,
 }
 
 impl Fault {
-    pub(super) fn syntax(at: usize, what: impl Into<String>) -> Self {
-        Self { at, what: SourceFault::Syntax(what.into()) }
+    pub(super) fn syntax(offset: usize, message: impl Into<String>) -> Self {
+        Self { offset, error: SourceFault::Syntax(message.into()) }
     }
 
-    pub(super) fn too_deep(at: usize, what: &'static str, most: usize) -> Self {
-        Self { at, what: SourceFault::TooDeep { what, most } }
+    pub(super) fn too_deep(offset: usize, excess: &'static str, max_depth: usize) -> Self {
+        Self { offset, error: SourceFault::TooDeep { excess, max_depth } }
     }
 }

@@ -9,7 +9,7 @@ use super::{
     tree::Node,
 };
 use crate::syntax::{
-    Expression, ExpressionKind, Lambda, Parameter, Reference, ReferenceOf, Statement,
+    Expression, ExpressionKind, Lambda, Parameter, Reference, ReferenceTarget, Statement,
     StatementKind, TypeName,
 };
 
@@ -68,19 +68,19 @@ impl Reader<'_> {
             "new" => None,
             _ => Some(self.name(*last)?),
         };
-        let of = match before.kind() {
+        let target = match before.kind() {
             "super" => return Ok(unsupported("a method reference to `super`")),
             "generic_type"
             | "array_type"
             | "integral_type"
             | "floating_point_type"
             | "boolean_type"
-            | "annotated_type" => ReferenceOf::Type(self.type_name(*before)?),
-            _ if name.is_none() => ReferenceOf::Type(self.type_name_of(*before)?),
-            _ => ReferenceOf::Expression(self.expression(*before)?),
+            | "annotated_type" => ReferenceTarget::Type(self.type_name(*before)?),
+            _ if name.is_none() => ReferenceTarget::Type(self.type_name_of(*before)?),
+            _ => ReferenceTarget::Expression(self.expression(*before)?),
         };
         let (line, names) = (self.line(node), self.names(node));
-        Ok(ExpressionKind::Reference(Arc::new(Reference { line, of, name, names })))
+        Ok(ExpressionKind::Reference(Arc::new(Reference { line, target, name, names })))
     }
 
     /// Returns the names in a node, in order, without duplicates.
@@ -137,8 +137,8 @@ impl Returns {
             StatementKind::Return(Some(_)) => self.a_value = true,
             StatementKind::Return(None) => self.nothing = true,
             StatementKind::Block(body) | StatementKind::Synchronized { body } => self.of_all(body),
-            StatementKind::If { then, otherwise, .. } => {
-                self.of(then);
+            StatementKind::If { then_branch, otherwise, .. } => {
+                self.of(then_branch);
                 self.of_all(otherwise.as_deref());
             }
             StatementKind::While { body, .. }
@@ -175,13 +175,15 @@ pub(crate) fn completes(statement: &Statement) -> bool {
         | StatementKind::Break(_)
         | StatementKind::Continue(_) => false,
         StatementKind::Block(body) | StatementKind::Synchronized { body } => can_complete(body),
-        StatementKind::If { then, otherwise: Some(otherwise), .. } => {
-            completes(then) || completes(otherwise)
+        StatementKind::If { then_branch, otherwise: Some(otherwise), .. } => {
+            completes(then_branch) || completes(otherwise)
         }
         StatementKind::While { condition, .. } | StatementKind::DoWhile { condition, .. } => {
             !is_true(condition)
         }
-        StatementKind::For { condition, .. } => condition.as_ref().is_some_and(|own| !is_true(own)),
+        StatementKind::For { condition, .. } => {
+            condition.as_ref().is_some_and(|condition| !is_true(condition))
+        }
         StatementKind::Labelled { body, .. } => completes(body),
         StatementKind::Switch { groups, .. } => {
             let has_default = groups
@@ -191,8 +193,8 @@ pub(crate) fn completes(statement: &Statement) -> bool {
             !has_default || groups.iter().any(|group| can_complete(&group.body))
         }
         StatementKind::Try { body, catches, finally, .. } => {
-            finally.as_ref().is_none_or(|own| can_complete(own))
-                && (can_complete(body) || catches.iter().any(|own| can_complete(&own.body)))
+            finally.as_ref().is_none_or(|finally| can_complete(finally))
+                && (can_complete(body) || catches.iter().any(|catch| can_complete(&catch.body)))
         }
         _ => true,
     }

@@ -8,7 +8,7 @@ pub(super) struct Lines<'t> {
 
 impl<'t> Lines<'t> {
     pub(super) fn new(text: &'t str) -> Self {
-        let starts = text.match_indices('\n').map(|(at, _)| at + 1);
+        let starts = text.match_indices('\n').map(|(offset, _)| offset + 1);
         Self { text, starts: std::iter::once(0).chain(starts).collect() }
     }
 
@@ -19,15 +19,15 @@ impl<'t> Lines<'t> {
     }
 
     /// Returns the line of a byte offset, from 1.
-    pub(super) fn line(&self, at: usize) -> u32 {
-        u32::try_from(self.starts.partition_point(|start| *start <= at)).unwrap_or(u32::MAX)
+    pub(super) fn line(&self, offset: usize) -> u32 {
+        u32::try_from(self.starts.partition_point(|start| *start <= offset)).unwrap_or(u32::MAX)
     }
 
     /// Returns the column of a byte offset in characters, from 1.
-    pub(super) fn column(&self, at: usize) -> u32 {
-        let line = self.starts.partition_point(|start| *start <= at);
+    pub(super) fn column(&self, offset: usize) -> u32 {
+        let line = self.starts.partition_point(|start| *start <= offset);
         let start = line.checked_sub(1).and_then(|line| self.starts.get(line)).copied();
-        let before = self.text.get(start.unwrap_or(0)..at).unwrap_or("");
+        let before = self.text.get(start.unwrap_or(0)..offset).unwrap_or("");
         u32::try_from(before.chars().count() + 1).unwrap_or(u32::MAX)
     }
 }

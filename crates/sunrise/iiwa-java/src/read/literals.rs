@@ -19,8 +19,8 @@ impl Reader<'_> {
             "string_literal" => Literal::String(String::from_utf16_lossy(&self.units(node)?)),
             "decimal_floating_point_literal" => self.float(node)?,
             "hex_floating_point_literal" => {
-                let what = "a hexadecimal number with an exponent";
-                return Ok(ExpressionKind::Unsupported(what.to_owned()));
+                let reason = "a hexadecimal number with an exponent";
+                return Ok(ExpressionKind::Unsupported(reason.to_owned()));
             }
             _ => self.integer(node, false)?,
         };
@@ -30,7 +30,7 @@ impl Reader<'_> {
     /// Reads an `int` or a `long`; the minimum values need the sign before them.
     pub(super) fn integer(&self, node: Node<'_>, is_negative: bool) -> Result<Literal, Fault> {
         let written = self.source(node);
-        let fault = |what: &str| Fault::syntax(node.start(), format!("{written}: {what}"));
+        let fault = |reason: &str| Fault::syntax(node.start(), format!("{written}: {reason}"));
         let digits = written.replace('_', "");
         let (digits, is_long) = match digits.strip_suffix(['l', 'L']) {
             Some(digits) => (digits, true),
@@ -53,15 +53,15 @@ impl Reader<'_> {
         // Hexadecimal, octal and binary numbers define all bits, including the sign bit.
         let is_decimal = radix == 10;
         if is_long {
-            let most = i64::MAX.unsigned_abs() + u64::from(is_negative);
-            let value = magnitude.filter(|value| !is_decimal || *value <= most);
+            let max = i64::MAX.unsigned_abs() + u64::from(is_negative);
+            let value = magnitude.filter(|value| !is_decimal || *value <= max);
             let value =
                 value.ok_or_else(|| fault("this is more than a `long` holds"))?.cast_signed();
             return Ok(Literal::Long(if is_negative { value.wrapping_neg() } else { value }));
         }
-        let most = i32::MAX.unsigned_abs() + u32::from(is_negative);
+        let max = i32::MAX.unsigned_abs() + u32::from(is_negative);
         let value = magnitude.and_then(|value| u32::try_from(value).ok());
-        let value = value.filter(|value| !is_decimal || *value <= most);
+        let value = value.filter(|value| !is_decimal || *value <= max);
         let value = value.ok_or_else(|| fault("this is more than an `int` holds"))?.cast_signed();
         Ok(Literal::Int(if is_negative { value.wrapping_neg() } else { value }))
     }
@@ -70,7 +70,7 @@ impl Reader<'_> {
     fn float(&self, node: Node<'_>) -> Result<Literal, Fault> {
         let written = self.source(node);
         let digits = written.replace('_', "");
-        let fault = |what: &str| Fault::syntax(node.start(), format!("{written}: {what}"));
+        let fault = |reason: &str| Fault::syntax(node.start(), format!("{written}: {reason}"));
         if let Some(digits) = digits.strip_suffix(['f', 'F']) {
             let value: f32 = digits.parse().map_err(|_| fault("a number is expected"))?;
             if !value.is_finite() {
@@ -131,8 +131,9 @@ fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, Fault>
             units.extend_from_slice(character.encode_utf16(&mut buffer));
             continue;
         }
-        let at = place(rest.as_str().len());
-        let unknown = || Fault::syntax(at, "`\\` is followed by no character that it may escape");
+        let offset = place(rest.as_str().len());
+        let unknown =
+            || Fault::syntax(offset, "`\\` is followed by no character that it may escape");
         let escaped = rest.next().ok_or_else(unknown)?;
         if escaped == '\n' {
             // The line of a text block is continued.
@@ -158,9 +159,9 @@ fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, Fault>
             }
             '0'..='7' => {
                 // Three digits if the first is at most 3, otherwise two.
-                let most = if escaped <= '3' { 2 } else { 1 };
+                let max_digits = if escaped <= '3' { 2 } else { 1 };
                 let digits: String =
-                    rest.as_str().chars().take(most).take_while(|c| c.is_digit(8)).collect();
+                    rest.as_str().chars().take(max_digits).take_while(|c| c.is_digit(8)).collect();
                 rest = rest.as_str()[digits.len()..].chars();
                 u16::from_str_radix(&format!("{escaped}{digits}"), 8).map_err(|_| unknown())?
             }

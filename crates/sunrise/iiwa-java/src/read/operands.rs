@@ -148,7 +148,7 @@ impl Reader<'_> {
     fn ranked<'n>(
         &self,
         parts: &mut Parts<'n>,
-        least: u8,
+        min_rank: u8,
         node: Node<'n>,
     ) -> Result<Placed, Fault> {
         let (mut left, start) = self.unary(parts, node)?;
@@ -159,26 +159,26 @@ impl Reader<'_> {
                 return Err(self.misread(node));
             }
             let kind = match parts.peek() {
-                Some(Part::Binary(operator)) if rank(*operator) >= least => {
+                Some(Part::Binary(operator)) if rank(*operator) >= min_rank => {
                     let operator = *operator;
                     parts.next();
                     let right = Box::new(self.ranked(parts, rank(operator) + 1, node)?.0);
                     ExpressionKind::Binary { operator, left: Box::new(left), right }
                 }
-                Some(Part::InstanceOf(_)) if COMPARISON >= least => {
+                Some(Part::InstanceOf(_)) if COMPARISON >= min_rank => {
                     let Some(Part::InstanceOf(pattern)) = parts.next() else {
                         return Err(self.misread(node));
                     };
                     ExpressionKind::InstanceOf { value: Box::new(left), pattern }
                 }
-                Some(Part::Question) if CONDITION >= least => {
+                Some(Part::Question) if CONDITION >= min_rank => {
                     parts.next();
-                    let then = Box::new(self.ranked(parts, ASSIGNMENT, node)?.0);
+                    let then_value = Box::new(self.ranked(parts, ASSIGNMENT, node)?.0);
                     let Some(Part::Colon) = parts.next() else { return Err(self.misread(node)) };
                     let otherwise = Box::new(self.ranked(parts, CONDITION, node)?.0);
-                    ExpressionKind::Conditional { condition: Box::new(left), then, otherwise }
+                    ExpressionKind::Conditional { condition: Box::new(left), then_value, otherwise }
                 }
-                Some(Part::Assign(operator)) if ASSIGNMENT >= least => {
+                Some(Part::Assign(operator)) if ASSIGNMENT >= min_rank => {
                     let operator = *operator;
                     parts.next();
                     if !is_target(&left.kind) {
@@ -198,9 +198,9 @@ impl Reader<'_> {
             Some(Part::Operand(operand)) => return self.stepped(parts, operand),
             Some(Part::Unary(operator, start)) => {
                 if operator == UnaryOperator::Minus
-                    && let Some(least) = self.least_number(parts)
+                    && let Some(minimum) = self.least_number(parts)
                 {
-                    (start, ExpressionKind::Literal(least))
+                    (start, ExpressionKind::Literal(minimum))
                 } else {
                     let value = Box::new(self.unary(parts, node)?.0);
                     (start, ExpressionKind::Unary { operator, value })
@@ -240,10 +240,10 @@ impl Reader<'_> {
         if operand.kind() != "decimal_integer_literal" {
             return None;
         }
-        let least = self.integer(*operand, true).ok()?;
-        matches!(least, Literal::Int(i32::MIN) | Literal::Long(i64::MIN)).then(|| {
+        let magnitude = self.integer(*operand, true).ok()?;
+        matches!(magnitude, Literal::Int(i32::MIN) | Literal::Long(i64::MIN)).then(|| {
             parts.next();
-            least
+            magnitude
         })
     }
 }

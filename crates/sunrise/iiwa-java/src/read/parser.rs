@@ -14,7 +14,7 @@ use std::{
 use tree_sitter::{Language, LogType, ParseOptions, ParseState, Parser, Tree};
 
 use super::{
-    bounds::{self, MOST_CALLS_PER_TOKEN},
+    bounds::{self, MAX_CALLS_PER_TOKEN},
     fault::Fault,
     lines::Lines,
     tokens::Tokens,
@@ -26,10 +26,10 @@ pub(super) fn parse(text: &str, tokens: &Tokens<'_>, lines: &Lines<'_>) -> Resul
     let mut parser = Parser::new();
     let language = Language::new(tree_sitter_java::LANGUAGE);
     parser.set_language(&language).map_err(|error| no_result(&error.to_string()))?;
-    let most = 1000 + tokens.list.len() * MOST_CALLS_PER_TOKEN;
-    match bounded(&mut parser, text, most, || false) {
+    let max_calls = 1000 + tokens.list.len() * MAX_CALLS_PER_TOKEN;
+    match bounded(&mut parser, text, max_calls, || false) {
         Some(tree) if !tree.root_node().has_error() => Ok(tree),
-        _ => Err(first_error(&mut parser, &language, text, tokens, lines, most)),
+        _ => Err(first_error(&mut parser, &language, text, tokens, lines, max_calls)),
     }
 }
 
@@ -37,16 +37,20 @@ pub(super) fn parse(text: &str, tokens: &Tokens<'_>, lines: &Lines<'_>) -> Resul
 fn bounded(
     parser: &mut Parser,
     text: &str,
-    most: usize,
+    max_calls: usize,
     is_at_end: impl Fn() -> bool,
 ) -> Option<Tree> {
     let mut calls = 0;
     let mut progress = |_: &ParseState| {
         calls += 1;
-        if calls > most || is_at_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if calls > max_calls || is_at_end() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     };
     let options = ParseOptions::new().progress_callback(&mut progress);
-    let mut input = |at: usize, _| text.as_bytes().get(at..).unwrap_or_default();
+    let mut input = |offset: usize, _| text.as_bytes().get(offset..).unwrap_or_default();
     parser.reset();
     parser.parse_with_options(&mut input, None, Some(options))
 }
@@ -88,7 +92,7 @@ impl Log {
 }
 
 /// Returns the parser's log of a text up to its first error; `None` without an error.
-fn first_stuck(parser: &mut Parser, text: &str, most: usize) -> Option<Vec<Stuck>> {
+fn first_stuck(parser: &mut Parser, text: &str, max_calls: usize) -> Option<Vec<Stuck>> {
     let log = Arc::new(Mutex::new(Log::default()));
     let written = Arc::clone(&log);
     parser.set_logger(Some(Box::new(move |kind, message| {
@@ -96,7 +100,7 @@ fn first_stuck(parser: &mut Parser, text: &str, most: usize) -> Option<Vec<Stuck
             log.add(message);
         }
     })));
-    bounded(parser, text, most, || log.lock().is_ok_and(|log| log.is_at_end));
+    bounded(parser, text, max_calls, || log.lock().is_ok_and(|log| log.is_at_end));
     parser.set_logger(None);
     let mut log = log.lock().ok()?;
     log.is_at_end.then(|| std::mem::take(&mut log.stuck))
@@ -104,7 +108,7 @@ fn first_stuck(parser: &mut Parser, text: &str, most: usize) -> Option<Vec<Stuck
 
 /// Returns the place at which the last interpretation was abandoned.
 fn furthest(stuck: &[Stuck]) -> (usize, usize) {
-    stuck.iter().map(|own| (own.row, own.column)).max().unwrap_or_default()
+    stuck.iter().map(|version| (version.row, version.column)).max().unwrap_or_default()
 }
 
 /// Describes the first error of a file in plain words.
@@ -114,33 +118,36 @@ fn first_error(
     text: &str,
     tokens: &Tokens<'_>,
     lines: &Lines<'_>,
-    most: usize,
+    max_calls: usize,
 ) -> Fault {
-    let Some(stuck) = first_stuck(parser, text, most) else {
-        return Fault { at: 0, what: SourceFault::TooLong("the file takes the parser many steps") };
+    let Some(stuck) = first_stuck(parser, text, max_calls) else {
+        return Fault {
+            offset: 0,
+            error: SourceFault::TooLong("the file takes the parser many steps"),
+        };
     };
     let place = furthest(&stuck);
     // A superset of the accepted symbols: the parser shares one state between several places.
     let mut symbols = HashSet::new();
-    for own in stuck.iter().filter(|own| (own.row, own.column) == place) {
-        if let Some(mut names) = language.lookahead_iterator(own.state) {
+    for version in stuck.iter().filter(|version| (version.row, version.column) == place) {
+        if let Some(mut names) = language.lookahead_iterator(version.state) {
             symbols.extend(names.iter_names().map(str::to_owned));
         }
     }
-    let at = lines.start(place.0) + place.1;
-    let index = tokens.from(at);
-    let found = tokens.text(index);
+    let offset = lines.start(place.0) + place.1;
+    let index = tokens.from(offset);
+    let token = tokens.text(index);
     let mut accepts = |symbol: &str, written: &str| {
         if !symbols.contains(symbol) {
             return false;
         }
-        let text = format!("{} {written}", text.get(..at).unwrap_or_default());
-        first_stuck(parser, &text, most).is_none_or(|stuck| furthest(&stuck) > place)
+        let text = format!("{} {written}", text.get(..offset).unwrap_or_default());
+        first_stuck(parser, &text, max_calls).is_none_or(|stuck| furthest(&stuck) > place)
     };
     let start = tokens.start(index);
-    let found_words = match found {
+    let found_words = match token {
         "" => "but the file ends".to_owned(),
-        found => format!("not `{}`", shortened(found)),
+        text => format!("not `{}`", shortened(text)),
     };
     let fault =
         |expected: &str| Fault::syntax(start, format!("{expected} is expected, {found_words}"));
@@ -174,10 +181,10 @@ fn first_error(
     }
     let others =
         ["(", "{", ")", "]", ">", "case", "default", "catch", "finally", "while", "class", "}"];
-    let others: Vec<_> = others.into_iter().filter(|own| accepts(own, own)).collect();
+    let others: Vec<_> = others.into_iter().filter(|kind| accepts(kind, kind)).collect();
     match others.split_last() {
-        None if found.is_empty() => Fault::syntax(start, "the file ends too early"),
-        None => Fault::syntax(start, format!("`{}` is not expected here", shortened(found))),
+        None if token.is_empty() => Fault::syntax(start, "the file ends too early"),
+        None => Fault::syntax(start, format!("`{}` is not expected here", shortened(token))),
         Some((last, [])) => fault(&format!("`{last}`")),
         Some((last, others)) => fault(&format!("`{}` or `{last}`", others.join("`, `"))),
     }
@@ -190,14 +197,14 @@ fn number(message: &str, name: &str) -> usize {
 }
 
 /// Shortens texts and names, which may be long.
-fn shortened(found: &str) -> String {
-    const MOST: usize = 40;
-    match found.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}...", &found[..end]),
-        None => found.to_owned(),
+fn shortened(text: &str) -> String {
+    const MAX_CHARACTERS: usize = 40;
+    match text.char_indices().nth(MAX_CHARACTERS) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
     }
 }
 
 fn no_result(why: &str) -> Fault {
-    Fault { at: 0, what: SourceFault::Parser(why.to_owned()) }
+    Fault { offset: 0, error: SourceFault::Parser(why.to_owned()) }
 }

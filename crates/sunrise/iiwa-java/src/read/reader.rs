@@ -21,13 +21,13 @@ impl<'t> Reader<'t> {
 
     /// Reads a name; the parser accepts keywords as names where it does not expect keywords.
     pub(super) fn name(&self, node: Node<'_>) -> Result<String, Fault> {
-        let found = self.source(node);
+        let source = self.source(node);
         let is_name =
             matches!(node.kind(), "identifier" | "type_identifier" | "underscore_pattern");
-        if is_name && !is_reserved(found) {
-            return Ok(found.to_owned());
+        if is_name && !is_reserved(source) {
+            return Ok(source.to_owned());
         }
-        Err(Fault::syntax(node.start(), format!("a name is expected, not `{found}`")))
+        Err(Fault::syntax(node.start(), format!("a name is expected, not `{source}`")))
     }
 
     /// Returns the child in a grammar field.
@@ -67,9 +67,9 @@ impl<'t> Reader<'t> {
         let Some(list) = child_of_kind(node, "type_arguments") else { return Ok(Vec::new()) };
         let arguments: Result<Vec<_>, _> = named(list)
             .into_iter()
-            .map(|own| match own.kind() {
-                "wildcard" => self.wildcard(own),
-                _ => self.type_name(own),
+            .map(|node| match node.kind() {
+                "wildcard" => self.wildcard(node),
+                _ => self.type_name(node),
             })
             .collect();
         let arguments = arguments?;
@@ -79,7 +79,7 @@ impl<'t> Reader<'t> {
 
     /// Reads a wildcard as its upper bound.
     fn wildcard(&self, node: Node<'_>) -> Result<TypeName, Fault> {
-        let bound = named(node).into_iter().rfind(|own| !is_annotation(*own));
+        let bound = named(node).into_iter().rfind(|node| !is_annotation(*node));
         match bound.filter(|_| child_of_kind(node, "super").is_none()) {
             Some(bound) => self.type_name(bound),
             None => Ok(TypeName::new("Object", 0)),
@@ -89,12 +89,12 @@ impl<'t> Reader<'t> {
     /// Reads the type variables that a class or a method declares.
     pub(super) fn type_parameters(&self, node: Node<'_>) -> Result<Vec<TypeParameter>, Fault> {
         let Some(list) = child_of_kind(node, "type_parameters") else { return Ok(Vec::new()) };
-        let parameters = named(list).into_iter().filter(|own| own.kind() == "type_parameter");
-        let read = parameters.map(|own| {
-            let name = child_of_kind(own, "type_identifier")
-                .or_else(|| child_of_kind(own, "identifier"))
-                .ok_or_else(|| self.misread(own))?;
-            let bounds = child_of_kind(own, "type_bound");
+        let parameters = named(list).into_iter().filter(|node| node.kind() == "type_parameter");
+        let read = parameters.map(|parameter| {
+            let name = child_of_kind(parameter, "type_identifier")
+                .or_else(|| child_of_kind(parameter, "identifier"))
+                .ok_or_else(|| self.misread(parameter))?;
+            let bounds = child_of_kind(parameter, "type_bound");
             let bound = bounds.and_then(|bounds| named(bounds).into_iter().next());
             let bound = bound.map(|bound| self.type_name(bound)).transpose()?;
             Ok(TypeParameter { name: self.name(name)?, bound })
@@ -109,7 +109,7 @@ impl<'t> Reader<'t> {
                 let is_name =
                     |child: &Node<'_>| !is_annotation(*child) && child.kind() != "type_arguments";
                 let names = named(node).into_iter().filter(is_name);
-                let names: Result<Vec<String>, Fault> = names.map(|own| self.path(own)).collect();
+                let names: Result<Vec<String>, Fault> = names.map(|name| self.path(name)).collect();
                 Ok(names?.join("."))
             }
             _ => self.name(node),

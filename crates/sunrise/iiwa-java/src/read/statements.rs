@@ -40,15 +40,15 @@ impl Reader<'_> {
                 let expression = self.only(node)?;
                 let read = self.expression(expression)?;
                 if !is_statement(&read.kind) {
-                    let what = "a statement is expected: this has a value, and does nothing";
-                    return Err(Fault::syntax(expression.start(), what));
+                    let message = "a statement is expected: this has a value, and does nothing";
+                    return Err(Fault::syntax(expression.start(), message));
                 }
                 StatementKind::Expression(read)
             }
             "local_variable_declaration" => return self.local(node),
             "if_statement" => StatementKind::If {
                 condition: self.expression(self.field(node, "condition")?)?,
-                then: self.boxed_statement(self.field(node, "consequence")?)?,
+                then_branch: self.boxed_statement(self.field(node, "consequence")?)?,
                 otherwise: match node.field("alternative") {
                     Some(otherwise) => Some(self.boxed_statement(otherwise)?),
                     None => None,
@@ -136,19 +136,19 @@ impl Reader<'_> {
 
     fn count(&self, node: Node<'_>) -> Result<StatementKind, Fault> {
         let mut initial = Vec::new();
-        for own in node.fields("init") {
-            initial.push(if own.kind() == "local_variable_declaration" {
-                self.local(own)?
+        for initial_node in node.fields("init") {
+            initial.push(if initial_node.kind() == "local_variable_declaration" {
+                self.local(initial_node)?
             } else {
-                let kind = StatementKind::Expression(self.expression(own)?);
-                Statement { line: self.line(own), kind }
+                let kind = StatementKind::Expression(self.expression(initial_node)?);
+                Statement { line: self.line(initial_node), kind }
             });
         }
         let condition = node.field("condition");
         let update: Vec<_> = node.fields("update").collect();
         Ok(StatementKind::For {
             initial,
-            condition: condition.map(|own| self.expression(own)).transpose()?,
+            condition: condition.map(|condition| self.expression(condition)).transpose()?,
             update: self.expressions(&update)?,
             body: self.boxed_statement(self.field(node, "body")?)?,
         })
@@ -217,7 +217,7 @@ impl Reader<'_> {
                 Ok(Pattern::Type { type_name: self.type_name(*type_node)?, name })
             }
             ("record_pattern", [type_node, body]) => {
-                let parts = named(*body).into_iter().map(|own| self.pattern(own));
+                let parts = named(*body).into_iter().map(|node| self.pattern(node));
                 let parts = parts.collect::<Result<_, _>>()?;
                 Ok(Pattern::Record { type_name: self.type_name(*type_node)?, parts })
             }

@@ -4,7 +4,7 @@ use super::fault::Fault;
 use crate::source_error::SourceFault;
 
 /// Maximum number of tokens; robot programs have a hundred times fewer.
-pub(super) const MOST_TOKENS: usize = 500_000;
+pub(super) const MAX_TOKENS: usize = 500_000;
 
 /// Symbols of more than one character, the longest first.
 const LONG_SYMBOLS: [&str; 25] = [
@@ -46,24 +46,27 @@ impl<'t> Tokens<'t> {
     /// text has too many tokens.
     pub(super) fn scan(text: &'t str) -> Result<Self, Fault> {
         let mut tokens = Self { text, list: Vec::new() };
-        let mut at = 0;
+        let mut offset = 0;
         let mut comments = 0;
-        while let Some(first) = text[at..].chars().next() {
-            let rest = &text[at..];
+        while let Some(first) = text[offset..].chars().next() {
+            let rest = &text[offset..];
             // Ctrl-Z marks the end of a file in old editors.
             let is_end_mark = first == '\u{1a}' && rest.len() == 1;
             if first.is_whitespace() {
-                at += first.len_utf8();
+                offset += first.len_utf8();
             } else if rest.starts_with("//") || rest.starts_with("/*") || is_end_mark {
-                at += if is_end_mark { 1 } else { comment(rest, at)? };
+                offset += if is_end_mark { 1 } else { comment(rest, offset)? };
                 comments += 1;
             } else {
-                let (kind, length) = token(rest, first, at)?;
-                tokens.list.push(Token { start: at, end: at + length, kind });
-                at += length;
+                let (kind, length) = token(rest, first, offset)?;
+                tokens.list.push(Token { start: offset, end: offset + length, kind });
+                offset += length;
             }
-            if tokens.list.len() + comments > MOST_TOKENS {
-                return Err(Fault { at, what: SourceFault::TooManyTokens { most: MOST_TOKENS } });
+            if tokens.list.len() + comments > MAX_TOKENS {
+                return Err(Fault {
+                    offset,
+                    error: SourceFault::TooManyTokens { max_tokens: MAX_TOKENS },
+                });
             }
         }
         Ok(tokens)
@@ -99,23 +102,23 @@ impl<'t> Tokens<'t> {
     }
 }
 
-fn comment(rest: &str, at: usize) -> Result<usize, Fault> {
+fn comment(rest: &str, offset: usize) -> Result<usize, Fault> {
     if rest.starts_with("//") {
         return Ok(rest.find('\n').unwrap_or(rest.len()));
     }
-    let end = rest[2..]
-        .find("*/")
-        .ok_or_else(|| Fault::syntax(at, "this comment does not end: `*/` is expected after it"))?;
+    let end = rest[2..].find("*/").ok_or_else(|| {
+        Fault::syntax(offset, "this comment does not end: `*/` is expected after it")
+    })?;
     Ok(end + 4)
 }
 
-fn token(rest: &str, first: char, at: usize) -> Result<(Kind, usize), Fault> {
+fn token(rest: &str, first: char, offset: usize) -> Result<(Kind, usize), Fault> {
     let second = rest[first.len_utf8()..].chars().next();
     Ok(match first {
-        '"' if rest.starts_with("\"\"\"") => (Kind::Text, block(rest, at)?),
+        '"' if rest.starts_with("\"\"\"") => (Kind::Text, block(rest, offset)?),
         '"' | '\'' => {
             let kind = if first == '"' { Kind::Text } else { Kind::Char };
-            (kind, quoted(rest, first, at)?)
+            (kind, quoted(rest, first, offset)?)
         }
         '(' | '[' | '{' => (Kind::Open, 1),
         ')' | ']' | '}' => (Kind::Close, 1),
@@ -130,12 +133,12 @@ fn token(rest: &str, first: char, at: usize) -> Result<(Kind, usize), Fault> {
             (Kind::Symbol, long.map_or(1, |symbol| symbol.len()))
         }
         '\\' => {
-            let what = "`\\` has a meaning within texts only; write the character that is meant";
-            return Err(Fault::syntax(at, what));
+            let message = "`\\` has a meaning within texts only; write the character that is meant";
+            return Err(Fault::syntax(offset, message));
         }
         _ => {
-            let what = format!("`{}` has no meaning in Java", first.escape_debug());
-            return Err(Fault::syntax(at, what));
+            let message = format!("`{}` has no meaning in Java", first.escape_debug());
+            return Err(Fault::syntax(offset, message));
         }
     })
 }
@@ -145,7 +148,7 @@ fn begins_word(character: char) -> bool {
 }
 
 /// Returns the length of a string or character literal, with its quotes.
-fn quoted(rest: &str, quote: char, at: usize) -> Result<usize, Fault> {
+fn quoted(rest: &str, quote: char, offset: usize) -> Result<usize, Fault> {
     let mut characters = rest.char_indices().skip(1);
     while let Some((offset, character)) = characters.next() {
         match character {
@@ -156,15 +159,15 @@ fn quoted(rest: &str, quote: char, at: usize) -> Result<usize, Fault> {
             _ => {}
         }
     }
-    let what = format!("this text does not end on its line: `{quote}` is expected");
-    Err(Fault::syntax(at, what))
+    let message = format!("this text does not end on its line: `{quote}` is expected");
+    Err(Fault::syntax(offset, message))
 }
 
 /// Returns the length of a text block, with its quotes.
-fn block(rest: &str, at: usize) -> Result<usize, Fault> {
+fn block(rest: &str, offset: usize) -> Result<usize, Fault> {
     let mut from = 3;
-    while let Some(found) = rest[from..].find(['"', '\\']) {
-        let quote = from + found;
+    while let Some(length) = rest[from..].find(['"', '\\']) {
+        let quote = from + length;
         if rest[quote..].starts_with("\"\"\"") {
             return Ok(quote + 3);
         }
@@ -174,7 +177,7 @@ fn block(rest: &str, at: usize) -> Result<usize, Fault> {
             from += rest[from..].chars().next().map_or(0, char::len_utf8);
         }
     }
-    Err(Fault::syntax(at, "this text block does not end: `\"\"\"` is expected after it"))
+    Err(Fault::syntax(offset, "this text block does not end: `\"\"\"` is expected after it"))
 }
 
 fn number(rest: &str) -> usize {

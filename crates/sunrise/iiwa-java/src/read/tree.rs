@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use tree_sitter::Tree;
 
-use super::{bounds::MOST_LEVELS, fault::Fault};
+use super::{bounds::MAX_LEVELS, fault::Fault};
 
 /// Nodes of a tree, each before its descendants.
 pub(super) struct Nodes<'t>(Vec<Entry<'t>>);
@@ -49,10 +49,10 @@ impl<'t> Nodes<'t> {
                     after: number + 1,
                 });
                 if cursor.goto_first_child() {
-                    if around.len() == MOST_LEVELS {
-                        let at = cursor.node().start_byte();
+                    if around.len() == MAX_LEVELS {
+                        let offset = cursor.node().start_byte();
                         let message = "too many expressions and statements are within one another";
-                        return Err(Fault::too_deep(at, message, MOST_LEVELS));
+                        return Err(Fault::too_deep(offset, message, MAX_LEVELS));
                     }
                     around.push(number);
                     continue;

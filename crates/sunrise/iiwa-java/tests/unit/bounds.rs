@@ -2,7 +2,7 @@
 
 use super::{fault, unit, value};
 use crate::{
-    read::{bounds::MOST_LEVELS, tokens::MOST_TOKENS},
+    read::{bounds::MAX_LEVELS, tokens::MAX_TOKENS},
     source_error::{SourceError, SourceFault},
 };
 
@@ -15,12 +15,12 @@ fn in_method(statements: &str) -> String {
 #[track_caller]
 fn bounded(deep: impl Fn(usize) -> String, levels: usize) {
     // The surrounding class, method, statement and value are at most this many levels.
-    unit(&deep((MOST_LEVELS - 12) / levels));
-    for depth in [MOST_LEVELS / levels + 1, 20 * MOST_LEVELS] {
+    unit(&deep((MAX_LEVELS - 12) / levels));
+    for depth in [MAX_LEVELS / levels + 1, 20 * MAX_LEVELS] {
         let SourceError { line, fault, .. } = fault(&deep(depth));
         assert_eq!(line, 1);
-        let SourceFault::TooDeep { most, .. } = fault else { panic!("{fault}") };
-        assert_eq!(most, MOST_LEVELS);
+        let SourceFault::TooDeep { max_depth, .. } = fault else { panic!("{fault}") };
+        assert_eq!(max_depth, MAX_LEVELS);
     }
 }
 
@@ -98,8 +98,8 @@ fn long_lists_and_chains() {
 
 #[test]
 fn tokens() {
-    let text = in_method(&"a(); ".repeat(MOST_TOKENS / 4));
-    assert!(matches!(fault(&text).fault, SourceFault::TooManyTokens { most: MOST_TOKENS }));
+    let text = in_method(&"a(); ".repeat(MAX_TOKENS / 4));
+    assert!(matches!(fault(&text).fault, SourceFault::TooManyTokens { max_tokens: MAX_TOKENS }));
 }
 
 #[test]

@@ -5,38 +5,41 @@ use crate::source_error::SourceFault;
 
 /// Checks the place and the message.
 #[track_caller]
-fn is(text: &str, expected: &str) {
+fn assert_fault(text: &str, expected: &str) {
     assert_eq!(fault(text).to_string(), format!("A.java:{expected}"), "{text}");
 }
 
 #[track_caller]
 fn is_in_method(statements: &str, expected: &str) {
-    is(&format!("class A {{ void a() {{\n{statements}\n}} }}"), expected);
+    assert_fault(&format!("class A {{ void a() {{\n{statements}\n}} }}"), expected);
 }
 
 #[test]
 fn of_characters_texts_and_comments() {
-    is("class A {\n  int # }", "2:7: `#` has no meaning in Java");
-    is(
+    assert_fault("class A {\n  int # }", "2:7: `#` has no meaning in Java");
+    assert_fault(
         "class A { int \\u0061; }",
         "1:15: `\\` has a meaning within texts only; write the character that is meant",
     );
-    is(
+    assert_fault(
         "class A { String a = \"b;\n}",
         "1:22: this text does not end on its line: `\"` is expected",
     );
-    is("class A { char a = 'b;\n}", "1:20: this text does not end on its line: `'` is expected");
-    is(
+    assert_fault(
+        "class A { char a = 'b;\n}",
+        "1:20: this text does not end on its line: `'` is expected",
+    );
+    assert_fault(
         "class A { String a = \"b\\\n\"; }",
         "1:22: this text does not end on its line: `\"` is expected",
     );
-    is("class A {\n/* }", "2:1: this comment does not end: `*/` is expected after it");
-    is(
+    assert_fault("class A {\n/* }", "2:1: this comment does not end: `*/` is expected after it");
+    assert_fault(
         "class A { String a = \"\"\"\n\"\"",
         "1:22: this text block does not end: `\"\"\"` is expected after it",
     );
-    is("\u{e4}\u{e4} \u{fffd}", "1:4: `\u{fffd}` has no meaning in Java");
-    is(
+    assert_fault("\u{e4}\u{e4} \u{fffd}", "1:4: `\u{fffd}` has no meaning in Java");
+    assert_fault(
         "class A { String a = \"\\q\"; }",
         "1:23: `\\` is followed by no character that it may escape",
     );
@@ -44,9 +47,9 @@ fn of_characters_texts_and_comments() {
 
 #[test]
 fn of_brackets() {
-    is("class A {\n  void a() {\n}", "1:9: this `{` is not closed: `}` is expected");
-    is("class A { } }", "1:13: `}` closes nothing");
-    is(
+    assert_fault("class A {\n  void a() {\n}", "1:9: this `{` is not closed: `}` is expected");
+    assert_fault("class A { } }", "1:13: `}` closes nothing");
+    assert_fault(
         "class A { void a() {\n b(c[1); } }",
         "2:7: `]` is expected, which closes the `[` of line 2, not `)`",
     );
@@ -54,14 +57,17 @@ fn of_brackets() {
 
 #[test]
 fn of_declarations() {
-    is("klass A { }", "1:8: `;` is expected");
-    is("class { }", "1:7: a name is expected, not `{`");
-    is("class A { run() { } }", "1:11: `run` lacks the type that it returns, or `void`");
-    is("class A { void a(int) { } }", "1:21: a name is expected, not `)`");
-    is("void a() { }", "1:1: a class is expected: what is here is outside of any");
-    is("class A { int a = 1 int b; }", "1:20: `;` is expected");
-    is("class A { int if; }", "1:15: a name is expected, not `if`");
-    is("class A { }\nimport b.C;", "2:1: `package` and `import` are expected before all classes");
+    assert_fault("klass A { }", "1:8: `;` is expected");
+    assert_fault("class { }", "1:7: a name is expected, not `{`");
+    assert_fault("class A { run() { } }", "1:11: `run` lacks the type that it returns, or `void`");
+    assert_fault("class A { void a(int) { } }", "1:21: a name is expected, not `)`");
+    assert_fault("void a() { }", "1:1: a class is expected: what is here is outside of any");
+    assert_fault("class A { int a = 1 int b; }", "1:20: `;` is expected");
+    assert_fault("class A { int if; }", "1:15: a name is expected, not `if`");
+    assert_fault(
+        "class A { }\nimport b.C;",
+        "2:1: `package` and `import` are expected before all classes",
+    );
 }
 
 #[test]
@@ -85,21 +91,21 @@ fn of_statements() {
 }
 
 #[test]
-fn of_what_the_grammar_accepts_and_java_does_not() {
+fn of_texts_that_the_grammar_accepts_and_java_does_not() {
     is_in_method("a + b;", "2:1: a statement is expected: this has a value, and does nothing");
     is_in_method("a;", "2:1: a statement is expected: this has a value, and does nothing");
     is_in_method("1++;", "2:1: only a variable can be counted up or down");
     is_in_method("(a) ++b;", "2:1: a statement is expected: this has a value, and does nothing");
     is_in_method("import b.C;", "2:1: `import` is not expected here");
-    is("class A { B { } }", "1:11: `B` is not expected here");
-    is(
+    assert_fault("class A { B { } }", "1:11: `B` is not expected here");
+    assert_fault(
         "class A { void a(int... b, int c) { } }",
         "1:28: a parameter with `...` is expected to be the last",
     );
 }
 
 #[test]
-fn within_what_the_parser_gives_up() {
+fn within_skipped_text() {
     is_in_method("int a = 3 + ;", "2:13: a value is expected, not `;`");
     is_in_method("int a = 1, b = ;", "2:16: a value is expected, not `;`");
     is_in_method("Frame a = b(1 2);", "2:15: `)` is expected, not `2`");

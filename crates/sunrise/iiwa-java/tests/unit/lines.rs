@@ -5,7 +5,8 @@ use crate::syntax::{Expression, ExpressionKind, Member, StatementKind};
 
 #[test]
 fn of_classes_and_members() {
-    let text = "/** What it is. */\n@Tag\npublic\nclass A\n{\n  // a\n  @Inject\n  int b,\n  c;\n  static\n  void\n  d() { }\n  \
+    let text = "/** What it is. */\n@Tag\npublic\nclass \
+        A\n{\n  // a\n  @Inject\n  int b,\n  c;\n  static\n  void\n  d() { }\n  \
                 A\n  () { }\n enum\n E {\n F,\n G { } } }";
     for text in [text.to_owned(), text.replace('\n', "\r\n")] {
         let class = &unit(&text).classes[0];
@@ -25,9 +26,11 @@ fn of_classes_and_members() {
 
 #[test]
 fn of_statements() {
-    let text = "// first\n/* then */ a();\n@Tag\nfinal int\nb = 1;\nlabel:\nfor (;;)\nbreak;\nif (a)\n;\nelse\nreturn;\n\
-                try\n{ } finally {\n}\nswitch (a) { case 1:\nc(); }\nclass D { }\ndo\n; while (a);\nthrow a;\n(a)\n.b();\n\
-                synchronized (a) { }\nwhile (a) ;\n{ }\nassert a;";
+    let text = "// first\n/* then */ a();\n@Tag\nfinal int\nb = 1;\nlabel:\nfor (;;)\nbreak;\nif \
+        (a)\n;\nelse\nreturn;\n\
+        try\n{ } finally {\n}\nswitch (a) { case 1:\nc(); }\nclass D { }\ndo\n; while (a);\nthrow \
+        a;\n(a)\n.b();\n\
+        synchronized (a) { }\nwhile (a) ;\n{ }\nassert a;";
     // The first line of the method body is 2.
     let lines: Vec<u32> = body(text).iter().map(|statement| statement.line - 1).collect();
     assert_eq!(lines, [2, 3, 6, 9, 13, 16, 18, 19, 21, 22, 24, 25, 26, 27]);
@@ -43,7 +46,7 @@ fn of_calls_and_fields_are_those_of_their_names() {
         panic!("no call")
     };
     assert_eq!((frame.line, arguments[0].line), (3, 7));
-    let ExpressionKind::Field { of: tool, .. } = frame.kind else { panic!("no field") };
+    let ExpressionKind::Field { object: tool, .. } = frame.kind else { panic!("no field") };
     assert_eq!(tool.line, 2);
     let ExpressionKind::Call { on: Some(robot), .. } = tool.kind else { panic!("no call") };
     assert_eq!(robot.line, 1);

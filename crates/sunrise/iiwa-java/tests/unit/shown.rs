@@ -2,7 +2,7 @@
 
 use crate::syntax::{
     BinaryOperator, Class, ClassKind, Expression, ExpressionKind, Label, Literal, Member, Method,
-    Pattern, ReferenceOf, Statement, StatementKind, SwitchGroup, TypeName, UnaryOperator,
+    Pattern, ReferenceTarget, Statement, StatementKind, SwitchGroup, TypeName, UnaryOperator,
 };
 
 pub(super) fn type_name(name: &TypeName) -> String {
@@ -29,23 +29,23 @@ pub(super) fn expression(shown: &Expression) -> String {
         ExpressionKind::Literal(Literal::Double(value)) => format!("{value:?}"),
         ExpressionKind::Literal(Literal::String(text)) => format!("{text:?}"),
         ExpressionKind::Name(name) => name.clone(),
-        ExpressionKind::Field { of, name } => format!("{}.{name}", boxed(of)),
+        ExpressionKind::Field { object, name } => format!("{}.{name}", boxed(object)),
         ExpressionKind::Call { on, name, arguments } => {
             let on = on.as_ref().map_or(String::new(), |on| format!("{}.", boxed(on)));
             format!("{on}{name}({})", list(arguments, expression))
         }
         ExpressionKind::ThisCall(arguments) => format!("this({})", list(arguments, expression)),
         ExpressionKind::SuperCall(arguments) => format!("super({})", list(arguments, expression)),
-        ExpressionKind::New { type_name: of, arguments, body } => {
+        ExpressionKind::New { type_name: created, arguments, body } => {
             let body = body.as_ref().map_or(String::new(), |body| class(body));
-            format!("new {}({}){body}", type_name(of), list(arguments, expression))
+            format!("new {}({}){body}", type_name(created), list(arguments, expression))
         }
-        ExpressionKind::NewArray { type_name: of, lengths, values } => {
+        ExpressionKind::NewArray { type_name: element, lengths, values } => {
             let values = optional(values.as_ref(), |values| list(values, expression));
-            format!("new {} [{}] {{{values}}}", type_name(of), list(lengths, expression))
+            format!("new {} [{}] {{{values}}}", type_name(element), list(lengths, expression))
         }
         ExpressionKind::Array(values) => format!("{{{}}}", list(values, expression)),
-        ExpressionKind::Index { of, index } => format!("{}[{}]", boxed(of), boxed(index)),
+        ExpressionKind::Index { array, index } => format!("{}[{}]", boxed(array), boxed(index)),
         ExpressionKind::Unary { operator, value } => {
             let operator = match operator {
                 UnaryOperator::Plus => "+",
@@ -71,45 +71,47 @@ pub(super) fn expression(shown: &Expression) -> String {
             let operator = operator.map_or("", binary);
             format!("({} {operator}= {})", boxed(target), boxed(value))
         }
-        ExpressionKind::Conditional { condition, then, otherwise } => {
-            format!("({} ? {} : {})", boxed(condition), boxed(then), boxed(otherwise))
+        ExpressionKind::Conditional { condition, then_value, otherwise } => {
+            format!("({} ? {} : {})", boxed(condition), boxed(then_value), boxed(otherwise))
         }
         ExpressionKind::Cast { type_name: to, value } => {
             format!("(({}) {})", type_name(to), boxed(value))
         }
-        ExpressionKind::InstanceOf { value, pattern: of } => {
-            format!("({} instanceof {})", boxed(value), pattern(of))
+        ExpressionKind::InstanceOf { value, pattern: tested } => {
+            format!("({} instanceof {})", boxed(value), pattern(tested))
         }
         ExpressionKind::This => "this".to_owned(),
         ExpressionKind::Super => "super".to_owned(),
-        ExpressionKind::SuperOf(of) => format!("{}.super", type_name(of)),
-        ExpressionKind::ClassLiteral(of) => format!("{}.class", type_name(of)),
+        ExpressionKind::SuperOf(class) => format!("{}.super", type_name(class)),
+        ExpressionKind::ClassLiteral(class) => format!("{}.class", type_name(class)),
         ExpressionKind::Switch { value, groups } => {
             format!("(switch {} {})", expression(value), list(groups, group))
         }
         ExpressionKind::Lambda(lambda) => {
-            let parameters = list(&lambda.parameters, |own| {
-                format!("{} {}", type_name(&own.type_name), own.name)
+            let parameters = list(&lambda.parameters, |parameter| {
+                format!("{} {}", type_name(&parameter.type_name), parameter.name)
             });
             format!("({parameters} -> {})", block(&lambda.body))
         }
         ExpressionKind::Reference(reference) => {
-            let of = match &reference.of {
-                ReferenceOf::Expression(of) => expression(of),
-                ReferenceOf::Type(of) => format!("type {}", type_name(of)),
+            let target = match &reference.target {
+                ReferenceTarget::Expression(object) => expression(object),
+                ReferenceTarget::Type(named_type) => format!("type {}", type_name(named_type)),
             };
-            format!("({of}::{})", reference.name.as_deref().unwrap_or("new"))
+            format!("({target}::{})", reference.name.as_deref().unwrap_or("new"))
         }
-        ExpressionKind::Unsupported(what) => format!("<{what}>"),
+        ExpressionKind::Unsupported(construct) => format!("<{construct}>"),
     }
 }
 
 fn pattern(shown: &Pattern) -> String {
     match shown {
-        Pattern::Type { type_name: of, name: None } => type_name(of),
-        Pattern::Type { type_name: of, name: Some(name) } => format!("{} {name}", type_name(of)),
-        Pattern::Record { type_name: of, parts } => {
-            format!("{}({})", type_name(of), list(parts, pattern))
+        Pattern::Type { type_name: matched, name: None } => type_name(matched),
+        Pattern::Type { type_name: matched, name: Some(name) } => {
+            format!("{} {name}", type_name(matched))
+        }
+        Pattern::Record { type_name: matched, parts } => {
+            format!("{}({})", type_name(matched), list(parts, pattern))
         }
         Pattern::Any => "_".to_owned(),
     }
@@ -146,18 +148,18 @@ pub(super) fn block(statements: &[Statement]) -> String {
 pub(super) fn statement(shown: &Statement) -> String {
     match &shown.kind {
         StatementKind::Block(statements) => block(statements),
-        StatementKind::Local { type_name: of, variables } => {
+        StatementKind::Local { type_name: declared, variables } => {
             let variables = list(variables, |variable| {
                 let initial = optional(variable.initial.as_ref(), expression);
                 format!("{}{}={initial}", variable.name, "[]".repeat(variable.dimensions))
             });
-            format!("{} {variables};", type_name(of))
+            format!("{} {variables};", type_name(declared))
         }
         StatementKind::LocalClass(local) => class(local),
         StatementKind::Expression(value) => format!("{};", expression(value)),
-        StatementKind::If { condition, then, otherwise } => {
+        StatementKind::If { condition, then_branch, otherwise } => {
             let otherwise = optional(otherwise.as_ref(), |otherwise| statement(otherwise));
-            format!("if {} {} else {otherwise}", expression(condition), statement(then))
+            format!("if {} {} else {otherwise}", expression(condition), statement(then_branch))
         }
         StatementKind::While { condition, body } => {
             format!("while {} {}", expression(condition), statement(body))
@@ -170,8 +172,13 @@ pub(super) fn statement(shown: &Statement) -> String {
             let condition = optional(condition.as_ref(), expression);
             format!("for ({initial} | {condition} | {update}) {}", statement(body))
         }
-        StatementKind::ForEach { type_name: of, name, iterable, body } => {
-            format!("for ({} {name} : {}) {}", type_name(of), expression(iterable), statement(body))
+        StatementKind::ForEach { type_name: element, name, iterable, body } => {
+            format!(
+                "for ({} {name} : {}) {}",
+                type_name(element),
+                expression(iterable),
+                statement(body)
+            )
         }
         StatementKind::Switch { value, groups } => {
             format!("switch {} {}", expression(value), list(groups, group))
@@ -205,7 +212,7 @@ pub(super) fn statement(shown: &Statement) -> String {
         StatementKind::Synchronized { body } => format!("synchronized {}", block(body)),
         StatementKind::Assert => "assert;".to_owned(),
         StatementKind::Empty => ";".to_owned(),
-        StatementKind::Unsupported(what) => format!("<{what}>;"),
+        StatementKind::Unsupported(construct) => format!("<{construct}>;"),
     }
 }
 
@@ -213,10 +220,10 @@ fn group(shown: &SwitchGroup) -> String {
     let labels = list(&shown.labels, |label| match label {
         Label::Default => "default".to_owned(),
         Label::Value(value) => expression(value),
-        Label::Pattern(of) => pattern(of),
+        Label::Pattern(label) => pattern(label),
     });
     let guard =
-        shown.guard.as_ref().map_or(String::new(), |own| format!(" when {}", expression(own)));
+        shown.guard.as_ref().map_or(String::new(), |guard| format!(" when {}", expression(guard)));
     let arrow = if shown.falls_through { ":" } else { "->" };
     format!("[{labels}{guard}]{arrow}{}", block(&shown.body))
 }
@@ -263,8 +270,8 @@ pub(super) fn class(shown: &Class) -> String {
             }
         });
     }
-    parts.extend(shown.methods.iter().map(|own| method(own)));
-    parts.extend(shown.constructors.iter().map(|own| format!("new {}", method(own))));
+    parts.extend(shown.methods.iter().map(|declared| method(declared)));
+    parts.extend(shown.constructors.iter().map(|declared| format!("new {}", method(declared))));
     parts.extend(shown.classes.iter().map(|inner| class(inner)));
     format!("<{}>", parts.join(", "))
 }

@@ -7,7 +7,7 @@ use std::{fmt::Write as _, rc::Rc, thread};
 use crate::{Classes, Host, HostValue, Machine, Place, Progress, Stop, Value, read, value::Object};
 
 /// Minimum number of snippets with a known value: most of them.
-const LEAST_KNOWN: usize = 1540;
+const MIN_KNOWN: usize = 1540;
 
 const FILES: [(&str, &str); 14] = [
     ("arrays", include_str!("../../../../../tests/java/snippets/arrays.txt")),
@@ -137,9 +137,9 @@ impl Host for NoHost {
 
 /// Returns the class around a snippet, as `expected.py` writes it.
 fn source(lines: &[&str]) -> String {
-    let at = lines.iter().position(|line| *line == "--");
-    let (members, lines) = match at {
-        Some(at) => (&lines[..at], &lines[at + 1..]),
+    let separator = lines.iter().position(|line| *line == "--");
+    let (members, lines) = match separator {
+        Some(separator) => (&lines[..separator], &lines[separator + 1..]),
         None => (&[][..], lines),
     };
     let body = match lines {
@@ -148,7 +148,8 @@ fn source(lines: &[&str]) -> String {
     };
     let members = members.join("\n");
     format!(
-        "import java.util.*;\nclass S {{\n{members}\nstatic Object run() throws Exception {{\n{body}\n}} }}"
+        "import java.util.*;\nclass S {{\n{members}\nstatic Object run() throws Exception \
+         {{\n{body}\n}} }}"
     )
 }
 
@@ -158,14 +159,16 @@ fn evaluated(source: &str) -> Result<String, String> {
     let mut classes = Classes::default();
     classes.add("S.java", &unit);
     let id = classes.by_qualified_name("S").ok_or("no class")?;
-    let here = Place { file: Rc::from("S.java"), line: 1 };
-    let mut machine = Machine::new(classes, Rc::new(NoHost), here);
+    let place = Place { file: Rc::from("S.java"), line: 1 };
+    let mut machine = Machine::new(classes, Rc::new(NoHost), place);
     let (owner, method) = machine.plain_method(id, "run").ok_or("no method")?;
     let value = match machine.run(owner, None, &method, &[]) {
         Ok(value) => value,
         Err(Stop::Thrown(thrown)) => {
             let class = match &thrown.value {
-                Value::Object(own) => machine.java.classes.known(own.class).class.name.clone(),
+                Value::Object(object) => {
+                    machine.java.classes.known(object.class).class.name.clone()
+                }
                 _ => thrown.classes.first().map_or(String::new(), ToString::to_string),
             };
             return Ok(format!("throws {class}"));
@@ -246,7 +249,7 @@ fn are_those_of_a_jvm() {
     let (differences, [equal, unknown, refused]) = compared_aside(&FILES);
     println!("{equal} equal, {unknown} unknown, {refused} refused");
     assert!(differences.is_empty(), "{} differ:\n{}", differences.len(), differences.join("\n"));
-    assert!(equal >= LEAST_KNOWN, "{equal} are known");
+    assert!(equal >= MIN_KNOWN, "{equal} are known");
 }
 
 #[test]
@@ -268,13 +271,15 @@ fn in_which_a_lambda_expression_acts_or_assigns() {
         "if (System.nanoTime() > 1) l.get(0).run();",
         "return n;",
     ]);
-    let expected = "refused: whether this branch, in which the arm moves, is taken depends on the controller's clock";
+    let expected = "refused: whether this branch, in which the arm moves, is taken depends on the \
+        controller's clock";
     assert_eq!(value(&branch), expected);
     let branch =
         with(&["l.add(() -> n = 2);", "if (System.nanoTime() > 1) l.get(0).run();", "return n;"]);
     assert_eq!(value(&branch), "unknown: the controller's clock");
     let anonymous = with(&[
-        "if (System.nanoTime() > 1) { Runnable r = new Runnable() { public void run() { arm.move(); } }; r.run(); }",
+        "if (System.nanoTime() > 1) \
+         { Runnable r = new Runnable() { public void run() { arm.move(); } }; r.run(); }",
         "return n;",
     ]);
     assert_eq!(value(&anonymous), expected);
@@ -368,15 +373,18 @@ fn with_patterns_of_switches() {
 fn with_functions_that_would_fill_time_or_stack() {
     let cases = [
         (
-            "IntUnaryOperator f = x -> x + 1; for (int i = 0; i < 40; i++) f = f.andThen(f); return f.applyAsInt(0);",
+            "IntUnaryOperator f = x -> x + 1; for (int i = 0; i < 40; i++) f = f.andThen(f); \
+             return f.applyAsInt(0);",
             "steps",
         ),
         (
-            "Function<Integer, Integer> f = Function.identity(); for (int i = 0; i < 40; i++) f = f.andThen(f); return f.apply(0);",
+            "Function<Integer, Integer> f = Function.identity(); for (int i = 0; i < 40; i++) f = \
+             f.andThen(f); return f.apply(0);",
             "steps",
         ),
         (
-            "UnaryOperator<Integer> f = x -> x; for (int i = 0; i < 2000; i++) f = f.andThen(x -> x + 1); return f.apply(0);",
+            "UnaryOperator<Integer> f = x -> x; for (int i = 0; i < 2000; i++) f = f.andThen(x -> \
+             x + 1); return f.apply(0);",
             "levels of functions",
         ),
         (
@@ -388,8 +396,11 @@ fn with_functions_that_would_fill_time_or_stack() {
     ];
     let run = move || {
         for (body, reason) in cases {
-            let found = evaluated(&source(&[body]));
-            assert!(found.as_ref().is_err_and(|own| own.contains(reason)), "{body}: {found:?}");
+            let result = evaluated(&source(&[body]));
+            assert!(
+                result.as_ref().is_err_and(|message| message.contains(reason)),
+                "{body}: {result:?}"
+            );
         }
     };
     let machine = thread::Builder::new().stack_size(64 << 20);

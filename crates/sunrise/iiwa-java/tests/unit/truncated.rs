@@ -33,8 +33,8 @@ fn a_program_from_anywhere_on() {
 fn a_program_without_any_one_token() {
     let tokens = crate::read::tokens::Tokens::scan(PROGRAM).expect("tokens");
     for token in &tokens.list {
-        for instead in ["", ";", "(", "}", "x", "<", "1"] {
-            let text = format!("{}{instead}{}", &PROGRAM[..token.start], &PROGRAM[token.end..]);
+        for replacement in ["", ";", "(", "}", "x", "<", "1"] {
+            let text = format!("{}{replacement}{}", &PROGRAM[..token.start], &PROGRAM[token.end..]);
             if let Err(error) = read("A.java", &text) {
                 assert!(!error.to_string().contains("no result"), "{error}");
             }
@@ -125,7 +125,8 @@ proptest! {
     #[test]
     fn any_words(words in prop::collection::vec(word(), 0..60), is_in_method in any::<bool>()) {
         let words = words.join(" ");
-        let text = if is_in_method { format!("class A {{ void a() {{ {words} }} }}") } else { words };
+        let text = if is_in_method { format!("class A {{ void a() {{ {words} \
+            }} }}") } else { words };
         if let Err(error) = read("A.java", &text) {
             prop_assert!(!error.to_string().contains("no result"), "{}", error);
         }

@@ -34,13 +34,13 @@ impl Robotics<'_> {
         name: &str,
         arguments: &[Value],
     ) -> Result<Option<Value>, Stop> {
-        let own = object.inherited.borrow().as_ref().and_then(robot_value);
-        if let Some(own) = own {
-            return self.call_robot(&own, name, arguments).map(Some);
+        let inherited = object.inherited.borrow().as_ref().and_then(robot_value);
+        if let Some(inherited) = inherited {
+            return self.call_robot(&inherited, name, arguments).map(Some);
         }
         if base == "Thread" {
-            let own = Value::Object(Rc::clone(object));
-            return self.call_thread(Some(&own), name, arguments).map(Some);
+            let thread = Value::Object(Rc::clone(object));
+            return self.call_thread(Some(&thread), name, arguments).map(Some);
         }
         if !is_task(base) {
             return Ok(None);
@@ -86,9 +86,9 @@ impl Robotics<'_> {
             "AbstractIOGroup" => match arguments.get(1) {
                 Some(Value::Text(name)) => Some(RobotValue::IoGroup(Rc::clone(name))),
                 Some(Value::Unknown(unknown)) => {
-                    return self.refuse_unknown("the name of these inputs and outputs", unknown);
+                    return self.reject_unknown("the name of these inputs and outputs", unknown);
                 }
-                _ => return self.refuse("these inputs and outputs have no name"),
+                _ => return self.reject("these inputs and outputs have no name"),
             },
             "Tool" | "Workpiece" | "PhysicalObject" | "SpatialObject" => {
                 robot_value(&self.new_body(base == "Workpiece", arguments))

@@ -24,7 +24,10 @@ impl Application {
     /// Returns the applications of a project, sorted by file and line.
     #[must_use]
     pub fn all(project: &Project) -> Vec<Self> {
-        Self::with_classes(&project.classes()).into_iter().map(|(_, own)| own).collect()
+        Self::with_classes(&project.classes())
+            .into_iter()
+            .map(|(_, application)| application)
+            .collect()
     }
 
     /// Creates a question that concerns the application as a whole.
@@ -37,7 +40,7 @@ impl Application {
     ) -> Question {
         Question {
             kind,
-            asked: asked.to_owned(),
+            subject: asked.to_owned(),
             choices: Vec::new(),
             answer,
             is_given,

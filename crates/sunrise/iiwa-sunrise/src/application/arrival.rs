@@ -59,9 +59,9 @@ mod tests {
 
     #[test]
     fn half_a_circle_is_across() {
-        let found = on_circle([&[1.0, 0.0, 0.2], &[0.0, 1.0, 0.2], &[-1.0, 0.0, 0.2]], PI);
-        let found = found.unwrap_or_default();
-        assert!(norm(&sub(&found, &[-1.0, 0.0, 0.2])) < 1e-12, "{found:?}");
+        let circle = on_circle([&[1.0, 0.0, 0.2], &[0.0, 1.0, 0.2], &[-1.0, 0.0, 0.2]], PI);
+        let circle = circle.unwrap_or_default();
+        assert!(norm(&sub(&circle, &[-1.0, 0.0, 0.2])) < 1e-12, "{circle:?}");
         let quarter = on_circle([&[1.0, 0.0, 0.0], &[0.0, -1.0, 0.0], &[-1.0, 0.0, 0.0]], 0.5 * PI);
         assert!(norm(&sub(&quarter.unwrap_or_default(), &[0.0, -1.0, 0.0])) < 1e-12);
     }

@@ -71,9 +71,9 @@ impl Body {
         while let Some((frame, (above, within))) = open.pop() {
             let frame: &ToolFrame = frame;
             let path = format!("{above}/{}", frame.name);
-            let own = if above.is_empty() { frame.frame } else { then(&within, &frame.frame) };
-            open.extend(frame.children.iter().rev().map(|child| (child, (path.clone(), own))));
-            body.frames.push(BodyFrame { path, frame: own, in_programs: None, unknown: None });
+            let pose = if above.is_empty() { frame.frame } else { then(&within, &frame.frame) };
+            open.extend(frame.children.iter().rev().map(|child| (child, (path.clone(), pose))));
+            body.frames.push(BodyFrame { path, frame: pose, in_programs: None, unknown: None });
         }
         body.default = body
             .frames
@@ -110,13 +110,13 @@ impl Body {
     /// Converts the body to a program tool with its root at `root` in the flange frame. The load is
     /// set by the program.
     pub(crate) fn as_tool(&self, root: &Frame) -> Tool {
-        let at =
+        let frame_at =
             |index: usize| self.frames.get(index).map_or(*root, |frame| then(root, &frame.frame));
         let tips = self.frames.iter().enumerate();
         let tips =
-            tips.filter(|(index, own)| Some(*index) != self.default && own.unknown.is_none());
-        let tips = tips.map(|(index, frame)| (tip_name(&frame.path), at(index)));
-        Tool { tcp: self.default.map_or(*root, at), tips: tips.collect(), load: None }
+            tips.filter(|(index, frame)| Some(*index) != self.default && frame.unknown.is_none());
+        let tips = tips.map(|(index, frame)| (tip_name(&frame.path), frame_at(index)));
+        Tool { tcp: self.default.map_or(*root, frame_at), tips: tips.collect(), load: None }
     }
 }
 

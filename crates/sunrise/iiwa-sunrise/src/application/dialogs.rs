@@ -8,14 +8,14 @@ use crate::application::{arguments::flattened, asked::Asked, robotics::Robotics}
 impl Robotics<'_> {
     /// Evaluates `displayModalDialog(type, text, buttons...)`: returns the number of the given
     /// button, or the first button.
-    pub(crate) fn ask(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
+    pub(crate) fn answer_dialog(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
         let [_, text, buttons @ ..] = arguments else {
             return Ok(self.not_known("IApplicationUI.displayModalDialog"));
         };
         let text = match text {
             Value::Text(text) => text.to_string(),
             Value::Null => "null".to_owned(),
-            Value::Unknown(_) => format!("a dialog at {}", self.here),
+            Value::Unknown(_) => format!("a dialog at {}", self.place),
             other => other.kind(),
         };
         let choices = flattened(buttons);
@@ -29,8 +29,9 @@ impl Robotics<'_> {
         let given = self.given_button(&text);
         let answer = given.unwrap_or(0);
         if answer >= choices.len().max(1) {
-            return self.refuse(format!(
-                "the dialog `{text}` is answered by button {answer}, and it has {}: the first one is 0",
+            return self.reject(format!(
+                "the dialog `{text}` is answered by button {answer}, and it has {}: the first one \
+                 is 0",
                 choices.len()
             ));
         }
@@ -66,7 +67,7 @@ impl Robotics<'_> {
         answer: String,
         is_given: bool,
     ) {
-        let (file, line) = (self.here.file.to_string(), self.here.line);
+        let (file, line) = (self.place.file.to_string(), self.place.line);
         let asked = asked.to_owned();
         // Durations and tools do not end loops.
         if !matches!(kind, QuestionKind::Time | QuestionKind::Tool) {
@@ -78,7 +79,7 @@ impl Robotics<'_> {
                 is_given,
             });
         }
-        let question = Question { kind, asked, choices, answer, is_given, file, line };
+        let question = Question { kind, subject: asked, choices, answer, is_given, file, line };
         // An input is read repeatedly and recorded once; each dialog and each break condition is a
         // separate question.
         if matches!(kind, QuestionKind::Dialog | QuestionKind::Fired)

@@ -21,14 +21,14 @@ impl Robotics<'_> {
     /// Returns the given duration in s for this line; otherwise 0, with a note. `event` is a clause
     /// such as "the platform drives".
     pub(crate) fn given_seconds(&mut self, event: &str) -> Result<f64, Stop> {
-        let asked = self.here.to_string();
+        let asked = self.place.to_string();
         // The file matches with or without its folders; the longest matching key has priority.
         let is_here = |key: &str| asked == key || asked.ends_with(&format!("/{key}"));
         let given = self.station.answers.times.iter().filter(|(key, _)| is_here(key));
         let given = given.max_by_key(|(key, _)| key.len()).map(|(_, seconds)| *seconds);
         let seconds = given.unwrap_or(0.0);
         if Answers::seconds(seconds).is_none() {
-            return self.refuse(format!("`{asked}` is given as {seconds}: {}", Answers::SECONDS));
+            return self.reject(format!("`{asked}` is given as {seconds}: {}", Answers::SECONDS));
         }
         if given.is_none() {
             self.note(format!(
@@ -60,7 +60,7 @@ impl Robotics<'_> {
         self.station.schedule.await_all();
         self.check_wait(seconds)?;
         let is_fixed = time == HoldTime::UntilEnded;
-        self.station.schedule.hold(seconds, is_fixed, self.here.clone());
+        self.station.schedule.hold(seconds, is_fixed, self.place.clone());
         Ok(())
     }
 

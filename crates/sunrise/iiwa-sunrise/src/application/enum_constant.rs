@@ -49,15 +49,15 @@ const OTHERS: [&str; 15] = [
 impl EnumConstant {
     /// Returns a constant by its class and name.
     pub(crate) fn named(class: &str, name: &str) -> Option<Self> {
-        let made = |ordinal: usize| Self {
+        let add_body = |ordinal: usize| Self {
             class: Rc::from(class),
             name: Rc::from(name),
             ordinal: i32::try_from(ordinal).unwrap_or(i32::MAX),
         };
         if let Some((_, names)) = LISTED.iter().find(|(listed, _)| *listed == class) {
-            return names.iter().position(|listed| *listed == name).map(made);
+            return names.iter().position(|listed| *listed == name).map(add_body);
         }
-        OTHERS.contains(&class).then(|| made(0))
+        OTHERS.contains(&class).then(|| add_body(0))
     }
 
     /// Returns all constants of a listed enum, in order.

@@ -28,10 +28,10 @@ impl Station {
         used.tools.extend(workcell.tool.clone());
         let of_program = workcell.tool.clone().unwrap_or_else(|| FLANGE.to_owned());
         for motion in &mut motions {
-            let Motion::Cartesian(own) = motion else { continue };
-            own.tool = own.tool.take().filter(|tool| *tool != of_program);
-            used.tools.extend(own.tool.as_deref().map(tool_of));
-            used.course(&own.course);
+            let Motion::Cartesian(cartesian) = motion else { continue };
+            cartesian.tool = cartesian.tool.take().filter(|tool| *tool != of_program);
+            used.tools.extend(cartesian.tool.as_deref().map(tool_of));
+            used.course(&cartesian.course);
         }
         let mut program = Program::from_rad(start_rad).build();
         program.robot = Some(robot_name);

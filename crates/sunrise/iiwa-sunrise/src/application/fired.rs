@@ -8,35 +8,35 @@ use crate::application::{asked::Asked, robotics::Robotics};
 impl Robotics<'_> {
     /// Returns the answer to the query at this file and line; `condition` names the condition, such
     /// as "the break condition of a motion".
-    pub(crate) fn ask_fired(&mut self, condition: &str) -> Value {
-        let at = self.here.to_string();
-        if let Some(is_fired) = self.given_fired(&at) {
-            self.record(QuestionKind::Fired, &at, Vec::new(), is_fired.to_string(), true);
+    pub(crate) fn answer_condition(&mut self, condition: &str) -> Value {
+        let place = self.place.to_string();
+        if let Some(is_fired) = self.given_fired(&place) {
+            self.record(QuestionKind::Fired, &place, Vec::new(), is_fired.to_string(), true);
             if is_fired {
                 self.note(format!(
-                    "{condition} is taken to have come true, and the arm to be where it would be otherwise: where it stops \
-                     is measured"
+                    "{condition} is taken to have come true, and the arm to be where it would be \
+                     otherwise: where it stops is measured"
                 ));
             }
             return Value::Boolean(is_fired);
         }
         self.station.asked.push(Asked {
             kind: QuestionKind::Fired,
-            subject: at.clone(),
+            subject: place.clone(),
             choices: Vec::new(),
             answer: None,
             is_given: false,
         });
-        self.unknown(format!("{condition} at `{at}`, for which no answer is given"))
+        self.unknown(format!("{condition} at `{place}`, for which no answer is given"))
     }
 
     /// Returns the given answer for a place, by its file with or without folders, and its line; the
     /// n-th query gets the n-th answer.
-    fn given_fired(&mut self, at: &str) -> Option<bool> {
+    fn given_fired(&mut self, place: &str) -> Option<bool> {
         let fired = &self.station.answers.fired;
         let is_it = |key: &&String| {
-            at == key.as_str()
-                || at.strip_suffix(key.as_str()).is_some_and(|own| own.ends_with('/'))
+            place == key.as_str()
+                || place.strip_suffix(key.as_str()).is_some_and(|folder| folder.ends_with('/'))
         };
         // The longest matching key is the most specific.
         let key = fired.keys().filter(is_it).max_by_key(|key| key.len())?.clone();

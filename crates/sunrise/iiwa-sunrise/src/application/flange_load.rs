@@ -23,8 +23,8 @@ pub(crate) fn together(loads: &[(Frame, Load)]) -> Option<Load> {
 /// Transforms a body by `pose`.
 fn moved(pose: &Pose, body: &RigidBody) -> RigidBody {
     let [xx, xy, xz, yy, yz, zz] = body.inertia_kg_m2;
-    let own = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    let turned = product(&product(&pose.rotation, &own), &transposed(&pose.rotation));
+    let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let turned = product(&product(&pose.rotation, &inertia), &transposed(&pose.rotation));
     let center = apply(&pose.rotation, &body.center_m);
     RigidBody {
         mass_kg: body.mass_kg,
@@ -105,7 +105,7 @@ mod tests {
 
     /// The combined load describes the same body, whatever its axes.
     #[test]
-    fn principal_axes_say_the_same_body() {
+    fn principal_axes_describe_the_same_body() {
         let tool = Load {
             mass_kg: 1.5,
             center_mm: [10.0, -4.0, 60.0],
@@ -115,9 +115,10 @@ mod tests {
         let part = Load { mass_kg: 0.8, center_mm: [5.0, 20.0, 0.0], ..tool };
         let grip = Frame { xyz_mm: [30.0, 0.0, 140.0], abc_rad: [0.5, 1.0, -0.7] };
         let expected = tool.body().with(&moved(&grip.pose(), &part.body()));
-        let found = together(&[(Frame::default(), tool), (grip, part)]).unwrap_or_default().body();
-        for (found, expected) in found.inertia_kg_m2.iter().zip(expected.inertia_kg_m2) {
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        let combined =
+            together(&[(Frame::default(), tool), (grip, part)]).unwrap_or_default().body();
+        for (actual, expected) in combined.inertia_kg_m2.iter().zip(expected.inertia_kg_m2) {
+            assert!((actual - expected).abs() < 1e-12, "{actual} {expected}");
         }
     }
 }

@@ -24,22 +24,22 @@ impl Station {
         match spot {
             Spot::World | Spot::Flange => None,
             Spot::Tree(index) => {
-                let found = self.tree.get(index)?;
-                let above = || self.unknown_of(Spot::Tree(found.parent?));
-                found.unknown.clone().or_else(above)
+                let frame = self.tree.get(index)?;
+                let above = || self.unknown_of(Spot::Tree(frame.parent?));
+                frame.unknown.clone().or_else(above)
             }
             Spot::Root(index) => self.unknown_of(self.bodies.get(index)?.attached?.0),
             Spot::Of(index, frame) => {
-                let own = self.bodies.get(index)?.frames.get(frame)?.unknown.clone();
-                own.or_else(|| self.unknown_of(Spot::Root(index)))
+                let unknown = self.bodies.get(index)?.frames.get(frame)?.unknown.clone();
+                unknown.or_else(|| self.unknown_of(Spot::Root(index)))
             }
         }
     }
 
     /// Returns true if the application has moved a frame of the data file, or one of its parents.
     pub(crate) fn is_changed(&self, index: usize) -> bool {
-        let Some(found) = self.tree.get(index) else { return false };
-        found.is_changed || found.parent.is_some_and(|parent| self.is_changed(parent))
+        let Some(frame) = self.tree.get(index) else { return false };
+        frame.is_changed || frame.parent.is_some_and(|parent| self.is_changed(parent))
     }
 }
 
@@ -47,8 +47,8 @@ impl Robotics<'_> {
     /// Refuses a frame whose pose is unknown.
     pub(crate) fn check_known(&self, spot: Spot) -> Result<(), Stop> {
         if let Some(unknown) = self.station.unknown_of(spot) {
-            let what = format!("the place of {}", self.spot_name(spot));
-            return self.refuse_unknown(&what, &unknown);
+            let subject = format!("the place of {}", self.spot_name(spot));
+            return self.reject_unknown(&subject, &unknown);
         }
         self.check_template(spot)
     }
@@ -61,9 +61,10 @@ impl Robotics<'_> {
         let Some(place) = &body.missing else { return Ok(()) };
         let name = &body.name;
         self.station.missing.replace(Some(Missing::Template(name.clone())));
-        self.refuse(format!(
-            "the data file has no template `{name}`, which is injected at {place}: its frames are not known; add the template, or \
-             answer with its frames: `[tools]`, `{name}` for the TCP and `{name}/FRAME` for others"
+        self.reject(format!(
+            "the data file has no template `{name}`, which is injected at {place}: its frames are \
+             not known; add the template, or answer with its frames: `[tools]`, `{name}` for the \
+             TCP and `{name}/FRAME` for others"
         ))
     }
 
@@ -75,8 +76,8 @@ impl Robotics<'_> {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        let (Some(index), Some(Value::Text(own))) = (spot.body(), arguments.first()) else {
-            return self.refuse(format!(
+        let (Some(index), Some(Value::Text(frame_name))) = (spot.body(), arguments.first()) else {
+            return self.reject(format!(
                 "`{name}` takes a name and a transformation, of a tool or workpiece"
             ));
         };
@@ -86,18 +87,22 @@ impl Robotics<'_> {
             Some(other) => offset_of(other),
         };
         let Some(offset) = offset else {
-            return self.refuse(format!("`{name}` takes a name and a transformation"));
+            return self.reject(format!("`{name}` takes a name and a transformation"));
         };
         let Some(body) = self.station.bodies.get_mut(index) else {
-            return self.refuse("this tool is not known");
+            return self.reject("this tool is not known");
         };
         let above = match spot {
             Spot::Of(_, frame) => body.frames.get(frame),
             _ => None,
         };
-        let path = format!("{}/{}", above.map_or("", |own| &own.path), own.trim_start_matches('/'));
-        let frame = above.map_or(offset, |own| then(&own.frame, &offset));
-        let unknown = unknown.or_else(|| above.and_then(|own| own.unknown.clone()));
+        let path = format!(
+            "{}/{}",
+            above.map_or("", |above| &above.path),
+            frame_name.trim_start_matches('/')
+        );
+        let frame = above.map_or(offset, |above| then(&above.frame, &offset));
+        let unknown = unknown.or_else(|| above.and_then(|above| above.unknown.clone()));
         let added = BodyFrame { path, frame, in_programs: None, unknown };
         body.frames.push(added);
         let frame = body.frames.len() - 1;
@@ -115,34 +120,35 @@ impl Robotics<'_> {
             (Some(frame), _) => (frame, None),
             (None, Value::Unknown(unknown)) => (Frame::default(), Some(Rc::clone(unknown))),
             (None, other) => {
-                let what = other.kind();
-                return self.refuse(format!(
-                    "a frame is changed to {what}, which is not a transformation"
+                let kind = other.kind();
+                return self.reject(format!(
+                    "a frame is changed to {kind}, which is not a transformation"
                 ));
             }
         };
         match spot {
             Spot::Tree(index) => {
-                if let Some(own) = self.station.tree.get_mut(index) {
-                    (own.frame, own.unknown, own.is_changed) = (frame, unknown, true);
+                if let Some(tree_frame) = self.station.tree.get_mut(index) {
+                    (tree_frame.frame, tree_frame.unknown, tree_frame.is_changed) =
+                        (frame, unknown, true);
                 }
             }
-            Spot::Of(index, of) => {
+            Spot::Of(index, frame_index) => {
                 if let Some(body) = self.station.bodies.get_mut(index) {
-                    body.change(of, frame, unknown.as_ref());
+                    body.change(frame_index, frame, unknown.as_ref());
                 }
                 if self
                     .station
                     .bodies
                     .iter()
-                    .any(|body| body.attached.is_some_and(|(at, _)| at == spot))
+                    .any(|body| body.attached.is_some_and(|(parent, _)| parent == spot))
                 {
                     self.load_changed()?;
                 }
             }
             Spot::World | Spot::Flange | Spot::Root(_) => {
-                let what = self.spot_name(spot);
-                return self.refuse(format!("{what} is changed, which cannot be planned"));
+                let subject = self.spot_name(spot);
+                return self.reject(format!("{subject} is changed, which cannot be planned"));
             }
         }
         Ok(robot(RobotValue::Spot(spot)))
@@ -153,9 +159,9 @@ impl Robotics<'_> {
         match (robot_value_of(frame), frame) {
             (Some(spot), _) => self.change_frame(spot, to),
             (None, Value::Unknown(unknown)) => {
-                self.refuse_unknown("which frame is changed", unknown)
+                self.reject_unknown("which frame is changed", unknown)
             }
-            _ => self.refuse("a frame of the data file is changed, and it is not known which one"),
+            _ => self.reject("a frame of the data file is changed, and it is not known which one"),
         }
     }
 }
@@ -169,15 +175,15 @@ fn robot_value_of(value: &Value) -> Option<Spot> {
 
 impl crate::application::body::Body {
     /// Changes the pose of a frame in its parent; child frames move along.
-    fn change(&mut self, of: usize, frame: Frame, unknown: Option<&Rc<Unknown>>) {
-        let Some(own) = self.frames.get(of) else { return };
-        let (path, old) = (own.path.clone(), own.frame);
+    fn change(&mut self, changed_index: usize, frame: Frame, unknown: Option<&Rc<Unknown>>) {
+        let Some(changed) = self.frames.get(changed_index) else { return };
+        let (path, old) = (changed.path.clone(), changed.frame);
         let above = path.rsplit_once('/').map_or("", |(above, _)| above);
-        let within = self.frames.iter().find(|own| own.path == above).map(|own| own.frame);
+        let within = self.frames.iter().find(|frame| frame.path == above).map(|frame| frame.frame);
         let new = within.map_or(frame, |within| then(&within, &frame));
         let below = format!("{path}/");
         for (index, other) in self.frames.iter_mut().enumerate() {
-            if index == of {
+            if index == changed_index {
                 other.frame = new;
             } else if other.path.starts_with(&below) {
                 other.frame = then(&new, &then(&inverse(&old), &other.frame));

@@ -83,9 +83,9 @@ mod tests {
     fn lengths_that_add_up_stay_whole() {
         let table = Frame { xyz_mm: [400.0, -200.1, 50.0], abc_rad: [0.0; 3] };
         let part = Frame { xyz_mm: [0.3, 0.0, 7.0], abc_rad: [0.1, 0.2, 0.3] };
-        let found = then(&table, &part);
-        assert_eq!(found.xyz_mm, [400.3, -200.1, 57.0]);
-        assert_eq!(found.abc_rad, part.abc_rad);
+        let actual = then(&table, &part);
+        assert_eq!(actual.xyz_mm, [400.3, -200.1, 57.0]);
+        assert_eq!(actual.abc_rad, part.abc_rad);
     }
 
     #[test]

@@ -33,8 +33,8 @@ fn with_number(frame: &mut Frame, index: usize, value: f64) {
 }
 
 fn index_of(name: &str, verb: &str) -> Option<usize> {
-    let what = name.strip_prefix(verb)?;
-    NUMBERS.iter().find(|(end, _)| *end == what).map(|(_, index)| *index)
+    let component = name.strip_prefix(verb)?;
+    NUMBERS.iter().find(|(end, _)| *end == component).map(|(_, index)| *index)
 }
 
 fn transformation(frame: Frame) -> Value {
@@ -83,10 +83,10 @@ impl Robotics<'_> {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        let own = || robot(RobotValue::Frame(Rc::clone(this)));
+        let this_frame = || robot(RobotValue::Frame(Rc::clone(this)));
         if changes && let Some(unknown) = first_unknown(arguments) {
             this.borrow_mut().unknown.get_or_insert(unknown);
-            return Ok(own());
+            return Ok(this_frame());
         }
         if !changes && let Some(unknown) = &this.borrow().unknown {
             return Ok(Value::Unknown(Rc::clone(unknown)));
@@ -98,7 +98,7 @@ impl Robotics<'_> {
                 return Ok(self.not_known(&format!("Frame.{name}")));
             };
             with_number(&mut this.borrow_mut().frame, index, value);
-            return Ok(own());
+            return Ok(this_frame());
         }
         match (name, arguments) {
             ("transform", [offset]) => {
@@ -108,7 +108,7 @@ impl Robotics<'_> {
                 let mut frame = this.borrow_mut();
                 frame.frame = then(&frame.frame, &offset);
                 drop(frame);
-                Ok(own())
+                Ok(this_frame())
             }
             ("transform", [reference, offset]) => Ok(self.transform_in(this, reference, offset)),
             ("setRedundancyInformation", [.., redundancy]) => {
@@ -116,7 +116,7 @@ impl Robotics<'_> {
                     return Ok(self.not_known("Frame.setRedundancyInformation"));
                 };
                 this.borrow_mut().redundancy = *redundancy.borrow();
-                Ok(own())
+                Ok(this_frame())
             }
             ("setParent", [parent, rest @ ..]) => {
                 let keeps_place = !matches!(rest, [Value::Boolean(false)]);
@@ -127,7 +127,7 @@ impl Robotics<'_> {
                     return Ok(self.not_known("Frame.setTransformationFromParent"));
                 };
                 this.borrow_mut().frame = frame;
-                Ok(own())
+                Ok(this_frame())
             }
             _ => {
                 let value = this.borrow().clone();
@@ -177,7 +177,7 @@ impl Robotics<'_> {
         frame.parent = parent;
         if keeps_place {
             let (Some(in_world), Some(parent)) = (in_world, self.parent_in_world(&frame)) else {
-                return self.refuse("a frame is given in something that is attached to nothing");
+                return self.reject("a frame is given in something that is attached to nothing");
             };
             frame.frame = then(&inverse(&parent), &in_world);
         }
@@ -213,7 +213,7 @@ impl Robotics<'_> {
                     if name == "copy" { RedundancyValue::default() } else { this.redundancy };
                 let Some(in_world) = self.station.frame_in_world(this) else {
                     return self
-                        .refuse("a frame is given in something that is attached to nothing");
+                        .reject("a frame is given in something that is attached to nothing");
                 };
                 let mut copy = FrameValue { redundancy, parent: new_parent, ..this.clone() };
                 let parent = self.parent_in_world(&copy).unwrap_or_default();
@@ -269,21 +269,21 @@ impl Robotics<'_> {
     /// robot.
     pub(crate) fn spot_frame(&self, spot: Spot) -> Option<FrameValue> {
         if let Some(unknown) = self.station.unknown_of(spot) {
-            let own = FrameValue::within(Spot::World, Frame::default());
-            return Some(FrameValue { unknown: Some(unknown), ..own });
+            let root = FrameValue::within(Spot::World, Frame::default());
+            return Some(FrameValue { unknown: Some(unknown), ..root });
         }
         let Spot::Tree(index) = spot else {
             return Some(FrameValue::within(Spot::World, self.station.in_world(spot)?));
         };
-        let found = self.station.tree.get(index)?;
-        let parent = found.parent.map_or(Spot::World, Spot::Tree);
-        let target = self.station.workcell.frames.get(&found.name);
+        let tree_frame = self.station.tree.get(index)?;
+        let parent = tree_frame.parent.map_or(Spot::World, Spot::Tree);
+        let target = self.station.workcell.frames.get(&tree_frame.name);
         let redundancy = target.map_or(RedundancyValue::default(), |target| RedundancyValue {
             e1_rad: target.e1_rad,
             status: target.status,
             turn: target.turn,
         });
-        Some(FrameValue { redundancy, ..FrameValue::within(parent, found.frame) })
+        Some(FrameValue { redundancy, ..FrameValue::within(parent, tree_frame.frame) })
     }
 
     /// Returns the parent for a new frame. A parent frame is copied with its current pose, since a
@@ -314,13 +314,13 @@ impl Robotics<'_> {
                 None => (Parent::Spot(Spot::World), arguments),
             },
         };
-        let own = match rest {
+        let transformation = match rest {
             [] => Some(Frame::default()),
             [only] if only.number().is_none() => offset_of(only),
             numbers => frame(&self::numbers(numbers).unwrap_or_default()),
         };
-        let Some(own) = own else { return self.not_known("new Frame") };
-        let frame = FrameValue { parent, ..FrameValue::within(Spot::World, own) };
+        let Some(transformation) = transformation else { return self.not_known("new Frame") };
+        let frame = FrameValue { parent, ..FrameValue::within(Spot::World, transformation) };
         robot(RobotValue::frame(frame))
     }
 
@@ -391,23 +391,23 @@ impl Robotics<'_> {
         arguments: &[Value],
     ) -> Result<Value, Stop> {
         if let Some(unknown) = first_unknown(arguments) {
-            return self.refuse_unknown("the redundancy of a frame", &unknown);
+            return self.reject_unknown("the redundancy of a frame", &unknown);
         }
-        let own = robot(RobotValue::Redundancy(Rc::clone(this)));
+        let this_value = robot(RobotValue::Redundancy(Rc::clone(this)));
         let mut redundancy = this.borrow_mut();
         let whole = |bits: Option<u8>| bits.map_or(Value::Null, |bits| Value::Int(bits.into()));
         Ok(match (name, arguments) {
             ("setE1", [e1]) => {
                 redundancy.e1_rad = e1.number();
-                own
+                this_value
             }
             ("setStatus", [status]) => {
                 redundancy.status = bits(status).and_then(Status::new);
-                own
+                this_value
             }
             ("setTurn", [turn]) => {
                 redundancy.turn = bits(turn).and_then(Turn::new).map(Turn::bits);
-                own
+                this_value
             }
             ("getE1", []) => redundancy.e1_rad.map_or(Value::Null, Value::Double),
             ("getStatus", []) => whole(redundancy.status.map(Status::bits)),
@@ -435,7 +435,7 @@ pub(crate) fn transformation_static(name: &str, arguments: &[Value]) -> Option<V
         return Some(Value::Unknown(unknown));
     }
     let given = numbers(arguments);
-    let made = match (name, given.as_deref()) {
+    let add_body = match (name, given.as_deref()) {
         ("ofDeg", Some([x, y, z, a, b, c])) => {
             let abc_rad = [*a, *b, *c].map(f64::to_radians);
             Frame { xyz_mm: [*x, *y, *z], abc_rad }
@@ -452,7 +452,7 @@ pub(crate) fn transformation_static(name: &str, arguments: &[Value]) -> Option<V
         },
         _ => return None,
     };
-    Some(transformation(made))
+    Some(transformation(add_body))
 }
 
 /// Evaluates `new LBRE1Redundancy(...)`.
@@ -460,13 +460,13 @@ pub(crate) fn new_redundancy(arguments: &[Value]) -> Value {
     if let Some(unknown) = first_unknown(arguments) {
         return Value::Unknown(unknown);
     }
-    let mut made = RedundancyValue::default();
+    let mut add_body = RedundancyValue::default();
     if let [e1, status, turn] = arguments {
-        made.e1_rad = e1.number();
-        made.status = bits(status).and_then(Status::new);
-        made.turn = bits(turn).and_then(Turn::new).map(Turn::bits);
+        add_body.e1_rad = e1.number();
+        add_body.status = bits(status).and_then(Status::new);
+        add_body.turn = bits(turn).and_then(Turn::new).map(Turn::bits);
     }
-    robot(RobotValue::Redundancy(Rc::new(RefCell::new(made))))
+    robot(RobotValue::Redundancy(Rc::new(RefCell::new(add_body))))
 }
 
 fn bits(value: &Value) -> Option<u8> {

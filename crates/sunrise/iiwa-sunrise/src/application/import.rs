@@ -134,10 +134,10 @@ fn import_here(
     if let (Ok(()), Some(endless)) = (&run.end, &run.station.endless) {
         let ways = ways_out(project, name, &setup, endless, &run.station.answered);
         // The note on the loop is the last one for its line, because the evaluation ends there.
-        let at = source(&endless.place);
-        let own = notes.iter_mut().rev().find(|note| note.source == at);
-        if let (Some(own), Some(ways)) = (own, ways) {
-            own.text += &ways;
+        let place = source(&endless.place);
+        let loop_note = notes.iter_mut().rev().find(|note| note.source == place);
+        if let (Some(loop_note), Some(ways)) = (loop_note, ways) {
+            loop_note.text += &ways;
         }
     }
     let asked = run.station.asked.clone();
@@ -167,10 +167,11 @@ fn import_here(
                 reason += "; the project has no RoboticsAPI.data.xml";
             }
             let mut unanswered: Vec<Unanswered> = Vec::new();
-            for own in asked.iter().filter(|own| own.answer.is_none()) {
-                let own = Unanswered { kind: own.kind, asked: own.subject.clone() };
-                if reason.contains(&format!("`{}`", own.asked)) && !unanswered.contains(&own) {
-                    unanswered.push(own);
+            for question in asked.iter().filter(|question| question.answer.is_none()) {
+                let entry = Unanswered { kind: question.kind, subject: question.subject.clone() };
+                if reason.contains(&format!("`{}`", entry.subject)) && !unanswered.contains(&entry)
+                {
+                    unanswered.push(entry);
                 }
             }
             Err(ImportError::Refused(Box::new(RefusedImport {
@@ -199,16 +200,16 @@ fn survey(
     first: Missing,
 ) -> Vec<Missing> {
     let mut setup = StationSetup { is_survey: true, ..setup };
-    let mut found = vec![first];
-    while let Some(last) = found.last().filter(|_| found.len() <= MAX_SURVEYS) {
+    let mut missing = vec![first];
+    while let Some(last) = missing.last().filter(|_| missing.len() <= MAX_SURVEYS) {
         last.add_to(&mut setup.data_file);
         let run = Run::new(project, name, setup.clone()).ok();
         match run.and_then(|run| run.station.missing.take()) {
-            Some(next) if !found.contains(&next) => found.push(next),
+            Some(next) if !missing.contains(&next) => missing.push(next),
             _ => break,
         }
     }
-    found
+    missing
 }
 
 /// Complete evaluation of an application.
@@ -227,8 +228,8 @@ impl Run {
         let classes = project.classes();
         let (id, application) = find(project, &classes, name)?;
         let station = Rc::new(StationHost::new(Station::new(setup)));
-        let here = Place { file: application.file.as_str().into(), line: application.line };
-        let mut machine = Machine::new(classes, station.clone(), here);
+        let place = Place { file: application.file.as_str().into(), line: application.line };
+        let mut machine = Machine::new(classes, station.clone(), place);
         // The controller calls these methods in the same order.
         let end = match machine.run_class(id, &["initialize", "run"]) {
             Ok(()) | Err(Stop::Ended) => Ok(()),
@@ -264,7 +265,7 @@ fn ways_out(
         .dialogs
         .iter()
         .flat_map(|dialog| (0..dialog.choices.len()).map(move |button| (dialog, button)));
-    let mut found = Vec::new();
+    let mut ways = Vec::new();
     for (dialog, button) in buttons.take(MAX_WAYS) {
         let mut answers = setup.answers.clone();
         let dialogs = &mut answers.dialogs;
@@ -279,15 +280,15 @@ fn ways_out(
         dialogs.insert(key, given);
         let setup = StationSetup { answers, ..setup.clone() };
         let run = Run::new(project, name, setup).ok()?;
-        if run.station.endless.is_none_or(|own| own.place != endless.place) {
+        if run.station.endless.is_none_or(|stop| stop.place != endless.place) {
             let choice = dialog.choices.get(button).cloned().unwrap_or_default();
-            found.push(format!("{} ({choice}) to `{}`", list.join(", "), dialog.subject));
+            ways.push(format!("{} ({choice}) to `{}`", list.join(", "), dialog.subject));
         }
     }
-    match (endless.dialogs.is_empty(), found.is_empty()) {
+    match (endless.dialogs.is_empty(), ways.is_empty()) {
         (true, _) => None,
         (false, true) => Some("; no answer to a dialog in it is known to end it".to_owned()),
-        (false, false) => Some(format!("; it ends by the answers {}", found.join(", or "))),
+        (false, false) => Some(format!("; it ends by the answers {}", ways.join(", or "))),
     }
 }
 
@@ -311,18 +312,20 @@ fn find(
             (Some(only), None) => Ok(only),
             (None, _) => Err(no_application(project)),
             (Some(first), Some(second)) => {
-                let all = [first, second].into_iter().chain(left).map(|(_, own)| own);
+                let all =
+                    [first, second].into_iter().chain(left).map(|(_, application)| application);
                 Err(ImportError::Several { known: all.collect() })
             }
         };
     };
-    let is_it =
-        |own: &Application| own.name == name || own.qualified_name == name || own.file == name;
-    let mut found = all.iter().filter(|(_, own)| is_it(own));
-    match (found.next(), found.next()) {
+    let is_it = |application: &Application| {
+        application.name == name || application.qualified_name == name || application.file == name
+    };
+    let mut matches = all.iter().filter(|(_, application)| is_it(application));
+    match (matches.next(), matches.next()) {
         (Some(only), None) => Ok(only.clone()),
         (Some(_), Some(_)) => {
-            let several = all.into_iter().map(|(_, own)| own).filter(is_it);
+            let several = all.into_iter().map(|(_, application)| application).filter(is_it);
             Err(ImportError::Several { known: several.collect() })
         }
         (None, _) => match classes.faulty(name) {
@@ -330,7 +333,7 @@ fn find(
             None if all.is_empty() => Err(no_application(project)),
             None => Err(ImportError::Unknown {
                 name: name.to_owned(),
-                known: all.into_iter().map(|(_, own)| own).collect(),
+                known: all.into_iter().map(|(_, application)| application).collect(),
             }),
         },
     }

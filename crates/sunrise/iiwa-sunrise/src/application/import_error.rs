@@ -12,7 +12,8 @@ use crate::application::{applications::Application, import_note::ImportNote, mis
 pub enum ImportError {
     /// The project has no applications.
     #[error(
-        "no application found in the project's {files} Java files: none of their classes extends RoboticsAPIApplication"
+        "no application found in the project's {files} Java files: none of their classes extends \
+         RoboticsAPIApplication"
     )]
     NoApplications {
         /// Number of files that were read.
@@ -55,10 +56,10 @@ pub enum ImportError {
         reason: String,
     },
     /// The project's files name different robot models.
-    #[error("the project's files do not agree on the robot: {}", said(.0))]
+    #[error("the project's files do not agree on the robot: {}", listed(.0))]
     Robots(Vec<RobotStatement>),
     /// The project's files name different flanges.
-    #[error("the project's files do not agree on the robot's flange: {}", said(.0))]
+    #[error("the project's files do not agree on the robot's flange: {}", listed(.0))]
     Flanges(Vec<RobotStatement>),
     /// The named robot is not a built-in model.
     #[error(
@@ -109,32 +110,33 @@ pub struct Unanswered {
     /// Kind of the question.
     pub kind: QuestionKind,
     /// Subject, as in a [`Question`].
-    pub asked: String,
+    pub subject: String,
 }
 
 /// Formats the first statements of a list.
-fn said(statements: &[RobotStatement]) -> String {
-    const MOST: usize = 6;
-    let mut said: Vec<_> = statements.iter().take(MOST).map(ToString::to_string).collect();
-    if statements.len() > MOST {
-        said.push(format!("and {} more", statements.len() - MOST));
+fn listed(statements: &[RobotStatement]) -> String {
+    const MAX_STATEMENTS: usize = 6;
+    let mut listed: Vec<_> =
+        statements.iter().take(MAX_STATEMENTS).map(ToString::to_string).collect();
+    if statements.len() > MAX_STATEMENTS {
+        listed.push(format!("and {} more", statements.len() - MAX_STATEMENTS));
     }
-    said.join(", ")
+    listed.join(", ")
 }
 
 /// Formats the names of applications; ambiguous names with their package, or as files, which select
 /// applications as well.
 fn names(applications: &[Application]) -> String {
-    let name = |own: &Application| {
+    let name = |application: &Application| {
         let count = |is_same: &dyn Fn(&Application) -> bool| {
             applications.iter().filter(|other| is_same(other)).count()
         };
-        if count(&|other| other.name == own.name) == 1 {
-            own.name.clone()
-        } else if count(&|other| other.qualified_name == own.qualified_name) == 1 {
-            own.qualified_name.clone()
+        if count(&|other| other.name == application.name) == 1 {
+            application.name.clone()
+        } else if count(&|other| other.qualified_name == application.qualified_name) == 1 {
+            application.qualified_name.clone()
         } else {
-            own.file.clone()
+            application.file.clone()
         }
     };
     let names: Vec<_> = applications.iter().map(name).collect();

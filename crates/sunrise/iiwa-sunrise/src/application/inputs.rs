@@ -82,7 +82,7 @@ impl Robotics<'_> {
             _ => {
                 let wanted = if is_boolean { "true or false" } else { "a number, true or false" };
                 return self
-                    .refuse(format!("the input `{id}` is given as `{given}`: it is {wanted}"));
+                    .reject(format!("the input `{id}` is given as `{given}`: it is {wanted}"));
             }
         };
         self.record(QuestionKind::Input, &id, Vec::new(), given.to_string(), true);

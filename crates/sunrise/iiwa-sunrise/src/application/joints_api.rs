@@ -30,9 +30,9 @@ impl Robotics<'_> {
         match numbers(arguments).as_deref() {
             Some([7.0]) => Ok(robot(RobotValue::joints([0.0; 7]))),
             Some(other) => {
-                let found = other.len();
+                let count = other.len();
                 let message =
-                    format!("a joint position of this robot has 7 numbers, and here are {found}");
+                    format!("a joint position of this robot has 7 numbers, and here are {count}");
                 self.throw("IllegalArgumentException", message)
             }
             None => Ok(self.not_known("new JointPosition")),
@@ -42,14 +42,14 @@ impl Robotics<'_> {
     /// Evaluates `JointPosition.ofDeg(...)` and `JointPosition.ofRad(...)` of Sunrise 2, with seven
     /// numbers or an array.
     pub(crate) fn joints_static(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
-        let made = self.new_joints(arguments)?;
+        let add_body = self.new_joints(arguments)?;
         if name == "ofDeg"
-            && let Some(RobotValue::Joints(joints)) = robot_value(&made)
+            && let Some(RobotValue::Joints(joints)) = robot_value(&add_body)
         {
             let mut joints = joints.borrow_mut();
             joints.joints_rad = joints.joints_rad.map(f64::to_radians);
         }
-        Ok(made)
+        Ok(add_body)
     }
 
     /// Calls a method of a joint position.
@@ -101,10 +101,10 @@ impl Robotics<'_> {
         this: &Rc<RefCell<JointsValue>>,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        let own = robot(RobotValue::Joints(Rc::clone(this)));
+        let this_value = robot(RobotValue::Joints(Rc::clone(this)));
         if let Some(unknown) = first_unknown(arguments) {
             this.borrow_mut().unknown.get_or_insert(unknown);
-            return Ok(own);
+            return Ok(this_value);
         }
         match arguments {
             [joint, value] => {
@@ -115,14 +115,14 @@ impl Robotics<'_> {
                 if let Some(joint) = this.borrow_mut().joints_rad.get_mut(index) {
                     *joint = value;
                 }
-                Ok(own)
+                Ok(this_value)
             }
             all => {
                 let Some(joints_rad) = joints(all) else {
                     return Ok(self.not_known("JointPosition.set"));
                 };
                 *this.borrow_mut() = JointsValue { joints_rad, unknown: None };
-                Ok(own)
+                Ok(this_value)
             }
         }
     }

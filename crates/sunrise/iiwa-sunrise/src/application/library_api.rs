@@ -61,10 +61,10 @@ const OPAQUE: [&str; 11] = [
 
 /// Returns the origin of a class's values, if they are unknown before run time.
 fn source(class: &str) -> Option<&'static str> {
-    let found = SOURCES
+    let sources = SOURCES
         .iter()
         .find(|(name, _)| class == *name || (name.len() > 5 && class.ends_with(name)));
-    found.map(|(_, gives)| *gives)
+    sources.map(|(_, gives)| *gives)
 }
 
 fn is_condition(class: &str) -> bool {
@@ -88,8 +88,9 @@ impl Robotics<'_> {
             ("Thread", "currentThread", []) => Ok(Some(robot(RobotValue::opaque("Thread")))),
             ("Thread", "interrupted", []) => Ok(Some(Value::Boolean(false))),
             ("Thread", "yield", []) => Ok(Some(Value::Null)),
-            ("Class", "forName", _) => self.refuse(
-                "`Class.forName` finds a class while the program runs, which is not followed: name the class itself",
+            ("Class", "forName", _) => self.reject(
+                "`Class.forName` finds a class while the program runs, which is not followed: name \
+                 the class itself",
             ),
             ("System", "currentTimeMillis" | "nanoTime", _) => Ok(Some(self.unknown("the clock"))),
             ("Math" | "StrictMath", "random", _) => Ok(Some(self.unknown("a random number"))),
@@ -100,19 +101,17 @@ impl Robotics<'_> {
             ("JointPosition", "ofDeg" | "ofRad", _) => {
                 self.joints_static(name, arguments).map(Some)
             }
-            ("FRIConfiguration", ..) => {
-                Ok(Some(robot(RobotValue::opaque("FRIConfiguration"))))
-            }
+            ("FRIConfiguration", ..) => Ok(Some(robot(RobotValue::opaque("FRIConfiguration")))),
             ("ServoMotion", "validateForImpedanceMode", _) => Ok(Some(Value::Boolean(true))),
             (_, "values", []) => Ok(EnumConstant::all(class).map(|all| {
                 let constants = all.into_iter().map(constant).collect();
                 Value::array(class, constants)
             })),
-            (_, "valueOf", [Value::Text(name)]) => Ok(EnumConstant::named(class, name).map(constant)),
-            _ if is_condition(class) => Ok(Some(condition())),
-            _ if CONCURRENT.contains(&class) => {
-                Ok(Some(robot(RobotValue::opaque("Thread"))))
+            (_, "valueOf", [Value::Text(name)]) => {
+                Ok(EnumConstant::named(class, name).map(constant))
             }
+            _ if is_condition(class) => Ok(Some(condition())),
+            _ if CONCURRENT.contains(&class) => Ok(Some(robot(RobotValue::opaque("Thread")))),
             _ => Ok(source(class).map(|gives| self.unknown(gives))),
         }
     }
@@ -138,7 +137,7 @@ impl Robotics<'_> {
             return Ok(Some(motion));
         }
         if CONCURRENT.contains(&class) {
-            let task = arguments.iter().find(|own| own.is_task()).cloned();
+            let task = arguments.iter().find(|argument| argument.is_task()).cloned();
             return Ok(Some(robot(RobotValue::thread(task))));
         }
         if is_condition(class) {
@@ -172,9 +171,9 @@ impl Robotics<'_> {
                 Some(robot(RobotValue::Transformation(Rc::default())))
             }
             _ => match (EnumConstant::named(class, name), EnumConstant::all(class)) {
-                (Some(found), _) => Some(constant(found)),
+                (Some(enum_constant), _) => Some(constant(enum_constant)),
                 (None, Some(_)) => {
-                    return self.refuse(format!("the enum `{class}` has no constant `{name}`"));
+                    return self.reject(format!("the enum `{class}` has no constant `{name}`"));
                 }
                 (None, None) => None,
             },
@@ -184,10 +183,10 @@ impl Robotics<'_> {
     /// Returns a field of an API value.
     #[expect(clippy::unnecessary_wraps, reason = "so are all that the language asks for")]
     pub(crate) fn robot_field(&mut self, receiver: &RobotValue, name: &str) -> Result<Value, Stop> {
-        if let RobotValue::Constant(own) = receiver
-            && let Some(found) = EnumConstant::named(&own.class, name)
+        if let RobotValue::Constant(receiver_constant) = receiver
+            && let Some(enum_constant) = EnumConstant::named(&receiver_constant.class, name)
         {
-            return Ok(constant(found));
+            return Ok(constant(enum_constant));
         }
         Ok(self.not_known(&format!("{}.{name}", receiver.class())))
     }

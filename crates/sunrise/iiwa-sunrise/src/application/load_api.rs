@@ -18,8 +18,9 @@ fn load_of(arguments: &[Value]) -> Option<Load> {
         [] => Some(Load::default()),
         [mass, rest @ ..] => {
             let mass_kg = mass.number()?;
-            let center_mm =
-                rest.first().map_or(Some([0.0; 3]), |own| center_of(std::slice::from_ref(own)))?;
+            let center_mm = rest
+                .first()
+                .map_or(Some([0.0; 3]), |center| center_of(std::slice::from_ref(center)))?;
             Some(Load { mass_kg, center_mm, ..Load::default() })
         }
     }
@@ -78,7 +79,7 @@ impl Robotics<'_> {
         arguments: &[Value],
     ) -> Result<Value, Stop> {
         let mut load = self.load_in(this);
-        let own = robot(RobotValue::Load(this.clone()));
+        let this_value = robot(RobotValue::Load(this.clone()));
         if name.starts_with("get") {
             return Ok(match (name, arguments) {
                 ("getMass", []) => Value::Double(load.mass_kg),
@@ -95,10 +96,10 @@ impl Robotics<'_> {
         };
         if is_set.is_none() {
             self.note(format!("`{name}` of load data is left out of the plan"));
-            return Ok(own);
+            return Ok(this_value);
         }
         match this {
-            LoadRef::Own(own) => *own.borrow_mut() = load,
+            LoadRef::Own(cell) => *cell.borrow_mut() = load,
             LoadRef::Body(index) => {
                 if let Some(body) = self.station.bodies.get_mut(*index) {
                     body.load = Some(load);
@@ -106,6 +107,6 @@ impl Robotics<'_> {
                 self.load_changed()?;
             }
         }
-        Ok(own)
+        Ok(this_value)
     }
 }

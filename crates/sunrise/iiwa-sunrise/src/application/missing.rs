@@ -47,8 +47,8 @@ impl Missing {
             }
             Self::TemplateFrame { template, path } => {
                 let known = file.tools.iter_mut().chain(&mut file.workpieces);
-                for own in known.filter(|own| own.name == *template) {
-                    add_tool_frame(&mut own.frames, path);
+                for template_data in known.filter(|template_data| template_data.name == *template) {
+                    add_tool_frame(&mut template_data.frames, path);
                 }
             }
             Self::ProcessData(id) => {

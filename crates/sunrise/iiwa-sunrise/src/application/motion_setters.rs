@@ -97,12 +97,18 @@ impl Robotics<'_> {
         match name {
             "setMode" => {
                 if arguments.iter().any(|mode| !matches!(mode, Value::Null)) {
-                    self.note("a control mode changes how the arm follows a path: it is planned alike");
+                    self.note(
+                        "a control mode changes how the arm follows a path: it is planned \
+                        alike",
+                    );
                 }
             }
             "breakWhen" => {
                 motion.borrow_mut().settings.has_break = true;
-                self.note("a motion with `breakWhen` is planned to its end, as if the condition did not come true");
+                self.note(
+                    "a motion with `breakWhen` is planned to its end, as if the condition \
+                    did not come true",
+                );
             }
             "triggerWhen" => self.note("what a trigger starts is not evaluated"),
             "setOrientationType" => self.set_orientation(motion, arguments)?,
@@ -122,8 +128,8 @@ impl Robotics<'_> {
                 motion.borrow_mut().settings.aux_orientation = mode;
             }
             "addMotionOverlay" => motion.borrow_mut().obstruct(Obstacle::Refused(
-                "a motion with an overlay, as of FRI, cannot be planned ahead: where the arm goes is decided while it \
-                 moves; plan the motion without it"
+                "a motion with an overlay, as of FRI, cannot be planned ahead: where the arm goes \
+                 is decided while it moves; plan the motion without it"
                     .to_owned(),
             )),
             "copy" | "clone" => {
@@ -131,7 +137,10 @@ impl Robotics<'_> {
                 return Ok(robot(RobotValue::motion(copy)));
             }
             name if name.starts_with("set") && DECISIVE.iter().any(|word| name.contains(word)) => {
-                let reason = format!("`{name}` changes this motion, and its effect is not known: remove the call");
+                let reason = format!(
+                    "`{name}` changes this motion, and its effect is not known: \
+                    remove the call"
+                );
                 motion.borrow_mut().obstruct(Obstacle::Refused(reason));
             }
             name if name.starts_with("set") || name.starts_with("add") => {
@@ -179,10 +188,10 @@ impl Robotics<'_> {
         let is_limit = matches!(setting, Setting::Way(_) | Setting::Turn(_));
         let is_angle = matches!(setting, Setting::CircAngle);
         if !given.is_finite() || (is_limit && given <= 0.0) || (!is_angle && given < 0.0) {
-            let least = if is_limit { "above 0" } else { "from 0 on" };
+            let lower = if is_limit { "above 0" } else { "from 0 on" };
             return self.throw(
                 "IllegalArgumentException",
-                format!("`{name}` takes a number {least}, and here is {given}"),
+                format!("`{name}` takes a number {lower}, and here is {given}"),
             );
         }
         let mut motion = motion.borrow_mut();
@@ -219,8 +228,8 @@ impl Robotics<'_> {
         };
         if let Way::LinRel { offset, .. } = &mut motion.borrow_mut().way {
             let mut components = offset.xyz_mm.iter_mut().chain(&mut offset.abc_rad);
-            if let Some(own) = components.nth(component) {
-                *own = value;
+            if let Some(component_value) = components.nth(component) {
+                *component_value = value;
             }
         }
         Ok(())
@@ -232,8 +241,8 @@ impl Robotics<'_> {
         arguments: &[Value],
     ) -> Result<(), Stop> {
         if let Some(unknown) = first_unknown(arguments) {
-            let what = "the type of orientation of this motion".to_owned();
-            motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+            let subject = "the type of orientation of this motion".to_owned();
+            motion.borrow_mut().obstruct(Obstacle::Unknown(subject, unknown));
             return Ok(());
         }
         let law = match constant_name(arguments).as_deref() {
@@ -241,7 +250,7 @@ impl Robotics<'_> {
             Some("Variable") => OrientationType::Variable,
             Some("OriJoint") => OrientationType::Joints,
             Some("Ignore") => OrientationType::Ignore,
-            _ => return self.refuse("this type of orientation is not known"),
+            _ => return self.reject("this type of orientation is not known"),
         };
         motion.borrow_mut().settings.orientation = Some(law);
         Ok(())
@@ -258,7 +267,7 @@ fn constant_name(arguments: &[Value]) -> Option<Rc<str>> {
 /// Returns true if an argument of a setter is unknown: the motion then cannot be sent.
 fn is_obstructed(motion: &Rc<RefCell<MotionValue>>, name: &str, arguments: &[Value]) -> bool {
     let Some(unknown) = first_unknown(arguments) else { return false };
-    let what = format!("the argument of `{name}` of this motion");
-    motion.borrow_mut().obstruct(Obstacle::Unknown(what, unknown));
+    let subject = format!("the argument of `{name}` of this motion");
+    motion.borrow_mut().obstruct(Obstacle::Unknown(subject, unknown));
     true
 }

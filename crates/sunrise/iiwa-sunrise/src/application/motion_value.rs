@@ -92,8 +92,8 @@ impl Way {
     pub(crate) fn extent(&self) -> (usize, usize) {
         match self {
             Self::Batch(motions) | Self::Spline(motions) => {
-                let own = motions.iter().map(|motion| motion.borrow().way.extent());
-                own.fold((1, 0), |(depth, count), (inner, motions)| {
+                let extents = motions.iter().map(|motion| motion.borrow().way.extent());
+                extents.fold((1, 0), |(depth, count), (inner, motions)| {
                     (depth.max(inner + 1), count + motions)
                 })
             }
@@ -122,8 +122,10 @@ impl MotionValue {
 impl Settings {
     /// Fills unset values from a batch or a robot.
     pub(crate) fn or(&self, defaults: &Self) -> Self {
-        let or = |own: &ByKind<f64>, other: &ByKind<f64>| {
-            ByKind::from_fn(|kind| if own[kind].is_finite() { own[kind] } else { other[kind] })
+        let or = |by_kind: &ByKind<f64>, other: &ByKind<f64>| {
+            ByKind::from_fn(
+                |kind| if by_kind[kind].is_finite() { by_kind[kind] } else { other[kind] },
+            )
         };
         let is_blended = self.blending != Blending::default();
         Self {

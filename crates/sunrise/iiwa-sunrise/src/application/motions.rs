@@ -24,7 +24,8 @@ const REFUSED: [(&str, &str); 13] = [
     ("ServoMotionJP", SERVO),
     (
         "SplineJP",
-        "its blends in joint space are not known; write its segments as ptp motions with a blending",
+        "its blends in joint space are not known; write its segments as ptp motions with a \
+         blending",
     ),
     ("HandGuidingMotion", HAND_GUIDING),
     ("handGuiding", HAND_GUIDING),
@@ -35,8 +36,10 @@ const REFUSED: [(&str, &str); 13] = [
     ("CartesianSineMotion", "its time depends on the controller"),
 ];
 
-const SERVO: &str = "its targets are given while it moves; plan it as motions to the targets, or leave it out of the project's run";
-const HAND_GUIDING: &str = "a person moves the arm, by a way and in a time that are not known; leave it out, or go there by ptp";
+const SERVO: &str = "its targets are given while it moves; plan it as motions to the targets, or \
+    leave it out of the project's run";
+const HAND_GUIDING: &str = "a person moves the arm, by a way and in a time that are not known; \
+    leave it out, or go there by ptp";
 const TESTS: &str =
     "it is a test of the robot's brakes or sensors, which runs on the controller alone";
 
@@ -99,9 +102,9 @@ impl Robotics<'_> {
                 self.throw("NullPointerException", format!("the target of `{name}` is null"))
             }
             None => {
-                let found: Vec<String> = arguments.iter().map(Value::kind).collect();
-                let found = found.join(", ");
-                self.refuse(format!("`{name}` of {found} is not known: it takes joints or a frame"))
+                let kinds: Vec<String> = arguments.iter().map(Value::kind).collect();
+                let kinds = kinds.join(", ");
+                self.reject(format!("`{name}` of {kinds} is not known: it takes joints or a frame"))
             }
         }
     }
@@ -111,16 +114,16 @@ impl Robotics<'_> {
             && let Some(RobotValue::Joints(joints)) = robot_value(only)
             && let Some(unknown) = &joints.borrow().unknown
         {
-            return self.refuse_unknown("the target of this motion", unknown);
+            return self.reject_unknown("the target of this motion", unknown);
         }
         if let Some(joints_rad) = joints(arguments) {
             return Ok(Some(Way::Joints(joints_rad)));
         }
         if let Some(numbers) = numbers(arguments) {
-            let found = numbers.len();
+            let count = numbers.len();
             return self.throw(
                 "IllegalArgumentException",
-                format!("a motion to joints takes 7 numbers, and here are {found}"),
+                format!("a motion to joints takes 7 numbers, and here are {count}"),
             );
         }
         Ok(goal(arguments).map(Way::Ptp))
@@ -143,9 +146,9 @@ impl Robotics<'_> {
                         return self.throw("NullPointerException", "a motion of a batch is null");
                     }
                     other => {
-                        let what = other.kind();
-                        return self.refuse(format!(
-                            "{what} is not a motion: batches and splines have motions"
+                        let kind = other.kind();
+                        return self.reject(format!(
+                            "{kind} is not a motion: batches and splines have motions"
                         ));
                     }
                 },
@@ -154,8 +157,9 @@ impl Robotics<'_> {
         let way = if kind == "spline" { Way::Spline(motions) } else { Way::Batch(motions) };
         let (depth, count) = way.extent();
         if depth > MAX_DEPTH || count > MAX_MOTIONS {
-            return self.refuse(format!(
-                "a batch has {count} motions, {depth} batches deep; it can have {MAX_MOTIONS}, {MAX_DEPTH} deep"
+            return self.reject(format!(
+                "a batch has {count} motions, {depth} batches deep; it can have {MAX_MOTIONS}, \
+                 {MAX_DEPTH} deep"
             ));
         }
         Ok(robot(RobotValue::motion(MotionValue::new(way))))
@@ -205,8 +209,8 @@ fn position_hold(arguments: &[Value]) -> Value {
     let mut motion = MotionValue::new(Way::Hold(HoldTime::UntilEnded));
     match arguments {
         [_, Value::Unknown(unknown), _] | [_, _, Value::Unknown(unknown)] => {
-            let what = "the time of this hold".to_owned();
-            motion.obstruct(Obstacle::Unknown(what, Rc::clone(unknown)));
+            let subject = "the time of this hold".to_owned();
+            motion.obstruct(Obstacle::Unknown(subject, Rc::clone(unknown)));
         }
         [_, time, unit] => {
             let amount = time.number();

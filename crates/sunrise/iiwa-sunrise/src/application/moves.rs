@@ -44,9 +44,9 @@ impl Robotics<'_> {
         let mover = self.station.default_frame(mover);
         self.check_known(mover)?;
         if self.station.in_flange(mover).is_none() {
-            let what = self.spot_name(mover);
+            let subject = self.spot_name(mover);
             return self
-                .refuse(format!("{what} moves, but it is not attached to the robot's flange"));
+                .reject(format!("{subject} moves, but it is not attached to the robot's flange"));
         }
         self.keep_override()?;
         let mut has_break = false;
@@ -72,9 +72,9 @@ impl Robotics<'_> {
         }
         let place = station.speed_override.as_ref().map(|(_, place)| format!(" ({place})"));
         let [first, now] = [first, now].map(|share| share * 100.0);
-        self.refuse(format!(
-            "the application goes on at {now} % of its speed{}, after motions at {first} %: a program has one override; \
-             plan the parts on their own",
+        self.reject(format!(
+            "the application goes on at {now} % of its speed{}, after motions at {first} %: a \
+             program has one override; plan the parts on their own",
             place.unwrap_or_default()
         ))
     }
@@ -86,12 +86,14 @@ impl Robotics<'_> {
         settings: &Settings,
     ) -> Result<(), Stop> {
         match &motion.obstacle {
-            Some(Obstacle::Unknown(what, unknown)) => return self.refuse_unknown(what, unknown),
-            Some(Obstacle::Refused(reason)) => return self.refuse(reason.clone()),
+            Some(Obstacle::Unknown(subject, unknown)) => {
+                return self.reject_unknown(subject, unknown);
+            }
+            Some(Obstacle::Refused(reason)) => return self.reject(reason.clone()),
             None => {}
         }
         if self.station.schedule.sent() >= MAX_MOTIONS {
-            return self.refuse(format!("the arm is moved more than {MAX_MOTIONS} times"));
+            return self.reject(format!("the arm is moved more than {MAX_MOTIONS} times"));
         }
         if let Way::Hold(time) = motion.way {
             return self.hold(time);
@@ -105,7 +107,7 @@ impl Robotics<'_> {
         };
         if let Some(target_rad) = to_rad {
             if let Err(outside) = self.station.robot.limits().check(&target_rad) {
-                return self.refuse(format!("the arm cannot go there: {outside}"));
+                return self.reject(format!("the arm cannot go there: {outside}"));
             }
             let mut ptp = Ptp { blend: one_blend(&settings.blending), ..Ptp::to(target_rad) };
             for (kind, share) in shares {
@@ -116,23 +118,23 @@ impl Robotics<'_> {
         }
         let law = self.law_of(&motion.way, settings.orientation).unwrap_or_default();
         let course = self.course(mover, motion, settings, law)?;
-        let mut own = CartesianMotion::new(course);
-        own.tool = self.station.tcp_name(mover);
-        own.shares = shares;
-        own.tool_limits = settings.tool;
-        own.blend = if own.is_ptp() {
+        let mut cartesian = CartesianMotion::new(course);
+        cartesian.tool = self.station.tcp_name(mover);
+        cartesian.shares = shares;
+        cartesian.tool_limits = settings.tool;
+        cartesian.blend = if cartesian.is_ptp() {
             one_blend(&settings.blending).map(PathBlend::from)
         } else {
-            own.orientation = law;
+            cartesian.orientation = law;
             path_blend(&settings.blending)
         };
-        self.put(Motion::Cartesian(Box::new(own)))
+        self.put(Motion::Cartesian(Box::new(cartesian)))
     }
 
     /// Adds a motion, if it is valid in a program.
     fn put(&mut self, motion: Motion) -> Result<(), Stop> {
         self.check(&motion)?;
-        self.station.schedule.send(motion, self.here.clone());
+        self.station.schedule.send(motion, self.place.clone());
         Ok(())
     }
 
@@ -141,11 +143,11 @@ impl Robotics<'_> {
         self.check_wait(seconds)?;
         let overlap = self.station.schedule.under_way();
         if overlap > MAX_OVERLAP {
-            return self.refuse(format!(
+            return self.reject(format!(
                 "a wait begins while {overlap} motions are under way; it can be {MAX_OVERLAP}"
             ));
         }
-        self.station.schedule.wait(seconds, self.here.clone());
+        self.station.schedule.wait(seconds, self.place.clone());
         Ok(())
     }
 
@@ -162,7 +164,7 @@ impl Robotics<'_> {
             Ok(()) => Ok(()),
             Err(fault) => {
                 let text = fault.to_string();
-                self.refuse(text.strip_prefix("motion 1: ").unwrap_or(&text))
+                self.reject(text.strip_prefix("motion 1: ").unwrap_or(&text))
             }
         }
     }
@@ -212,8 +214,9 @@ impl Robotics<'_> {
                 if let Some(angle) = settings.circ_angle_rad {
                     let points = [&from.position_m, &aux.pose.position_m, &place.pose.position_m];
                     let Some(position_m) = on_circle(points, angle) else {
-                        return self.refuse(
-                            "start, auxiliary frame and end are on one line: no circle passes through them",
+                        return self.reject(
+                            "start, auxiliary frame and end are on one line: no circle passes \
+                             through them",
                         );
                     };
                     pose.position_m = position_m;
@@ -233,7 +236,7 @@ impl Robotics<'_> {
             }
             Way::Spline(segments) => self.spline(&from, &tcp, law, segments),
             Way::Joints(_) | Way::Home | Way::Batch(_) | Way::Hold(_) | Way::Refused => {
-                self.refuse("this motion has no course of the TCP")
+                self.reject("this motion has no course of the TCP")
             }
         }
     }
@@ -257,25 +260,25 @@ impl Robotics<'_> {
         law: OrientationType,
         segments: &[Rc<RefCell<MotionValue>>],
     ) -> Result<Course, Stop> {
-        let mut at = *from;
+        let mut position = *from;
         let mut e1_rad = None;
         let mut last = None;
-        let mut found = Vec::with_capacity(segments.len());
+        let mut course_segments = Vec::with_capacity(segments.len());
         for segment in segments {
             let segment = segment.borrow();
             match &segment.obstacle {
-                Some(Obstacle::Unknown(what, unknown)) => {
-                    return self.refuse_unknown(what, unknown);
+                Some(Obstacle::Unknown(subject, unknown)) => {
+                    return self.reject_unknown(subject, unknown);
                 }
-                Some(Obstacle::Refused(reason)) => return self.refuse(reason.clone()),
+                Some(Obstacle::Refused(reason)) => return self.reject(reason.clone()),
                 None => {}
             }
             let settings = &segment.settings;
             if settings.blending != Blending::default() {
-                return self.refuse("a segment of a spline has a blending: set it on the spline");
+                return self.reject("a segment of a spline has a blending: set it on the spline");
             }
-            let own = self.law_of(&Way::Spline(Vec::new()), settings.orientation);
-            let own_law = own.unwrap_or(law);
+            let segment_law = self.law_of(&Way::Spline(Vec::new()), settings.orientation);
+            let own_law = segment_law.unwrap_or(law);
             let (place, course) = match &segment.way {
                 Way::Spl(to) => {
                     let place = self.place_of(to)?;
@@ -290,9 +293,9 @@ impl Robotics<'_> {
                 Way::LinRel { offset, within } => {
                     let axes = match within {
                         Some(within) => self.place_of(within)?.pose.rotation,
-                        None => at.rotation,
+                        None => position.rotation,
                     };
-                    let pose = moved_by(&at, &offset.pose(), &axes);
+                    let pose = moved_by(&position, &offset.pose(), &axes);
                     let target = TargetRef::Given(in_foot(Frame::from(&pose)));
                     let to = target.clone();
                     (
@@ -306,23 +309,24 @@ impl Robotics<'_> {
                     (place, SegmentCourse::Circ(circ))
                 }
                 _ => {
-                    return self.refuse(
-                        "a spline has a segment that is not a path of the TCP: segments are spl, lin, linRel and circ",
+                    return self.reject(
+                        "a spline has a segment that is not a path of the TCP: segments are spl, \
+                         lin, linRel and circ",
                     );
                 }
             };
-            at = match own_law {
-                OrientationType::Constant => Pose { rotation: at.rotation, ..place.pose },
+            position = match own_law {
+                OrientationType::Constant => Pose { rotation: position.rotation, ..place.pose },
                 _ => place.pose,
             };
             e1_rad = place.e1_rad.or(e1_rad);
             last = Some(place.target);
             let limits = SegmentLimits { shares: settings.shares, tool: settings.tool };
-            found.push(SplineSegment { course, orientation: own, limits });
+            course_segments.push(SplineSegment { course, orientation: segment_law, limits });
         }
-        let Some(last) = last else { return self.refuse("a spline has no segments") };
-        self.arrive(&last, (&at, tcp), e1_rad, None)?;
-        Ok(Course::Spline(found))
+        let Some(last) = last else { return self.reject("a spline has no segments") };
+        self.arrive(&last, (&position, tcp), e1_rad, None)?;
+        Ok(Course::Spline(course_segments))
     }
 
     /// Moves the robot to a TCP pose.
@@ -341,14 +345,14 @@ impl Robotics<'_> {
             }
             Err(_) if self.station.is_survey => Ok(()),
             Err(reason) => {
-                let what = match target {
+                let subject = match target {
                     TargetRef::Named(name) => format!("the frame `{name}`"),
                     TargetRef::Given(_) => "the target of this motion".to_owned(),
                 };
                 let hint = self.station.start_hint.as_ref();
                 let hint = hint.filter(|_| self.station.schedule.sent() == 0);
                 let hint = hint.map_or_else(String::new, |hint| format!("; {hint}"));
-                self.refuse(format!("{what} cannot be reached: {reason}{hint}"))
+                self.reject(format!("{subject} cannot be reached: {reason}{hint}"))
             }
         }
     }
@@ -358,46 +362,48 @@ impl Robotics<'_> {
         match goal {
             Goal::Spot(Spot::Tree(index)) => {
                 self.note_world_after_drive();
-                let Some(found) = self.station.tree.get(*index).cloned() else {
-                    return self.refuse("this frame is not in the data file");
+                let Some(tree_frame) = self.station.tree.get(*index).cloned() else {
+                    return self.reject("this frame is not in the data file");
                 };
                 self.check_known(Spot::Tree(*index))?;
                 if self.station.is_changed(*index) {
-                    return Ok(self.changed_place(*index, &found.name));
+                    return Ok(self.changed_place(*index, &tree_frame.name));
                 }
-                let Some(target) = self.station.workcell.frames.get(&found.name) else {
+                let Some(target) = self.station.workcell.frames.get(&tree_frame.name) else {
                     // A base that is not itself a motion target.
-                    let base = Target { base: Some(found.name), ..Target::at(Frame::default()) };
-                    return Ok(Destination { pose: found.pose, ..given(base) });
+                    let base =
+                        Target { base: Some(tree_frame.name), ..Target::at(Frame::default()) };
+                    return Ok(Destination { pose: tree_frame.pose, ..destination_of(base) });
                 };
                 Ok(Destination {
-                    pose: found.pose,
+                    pose: tree_frame.pose,
                     e1_rad: target.e1_rad,
                     status: target.status,
-                    target: TargetRef::Named(found.name),
+                    target: TargetRef::Named(tree_frame.name),
                 })
             }
             Goal::Spot(Spot::World) => {
                 let target = in_foot(Frame::default());
-                Ok(given(target))
+                Ok(destination_of(target))
             }
             Goal::Spot(spot) => {
                 self.check_known(*spot)?;
                 if self.station.in_flange(*spot).is_some() {
-                    let what = self.spot_name(*spot);
-                    return self.refuse(format!("{what} is a target, and it moves with the arm"));
+                    let subject = self.spot_name(*spot);
+                    return self
+                        .reject(format!("{subject} is a target, and it moves with the arm"));
                 }
                 if let Some(frame) = self.station.in_world(*spot) {
-                    Ok(given(in_foot(frame)))
+                    Ok(destination_of(in_foot(frame)))
                 } else {
-                    let what = self.spot_name(*spot);
-                    self.refuse(format!("{what} is a target, and it is attached to nothing"))
+                    let subject = self.spot_name(*spot);
+                    self.reject(format!("{subject} is a target, and it is attached to nothing"))
                 }
             }
             Goal::Frame(frame) => {
                 let frame = frame.borrow().clone();
                 if let Some(unknown) = &frame.unknown {
-                    return self.refuse_unknown("the target of this motion", unknown);
+                    return self.reject_unknown("the target of this motion", unknown);
                 }
                 if matches!(frame.parent, Parent::Spot(Spot::Tree(_))) {
                     self.note_world_after_drive();
@@ -406,18 +412,19 @@ impl Robotics<'_> {
                     self.check_known(parent)?;
                 }
                 let Some(place) = self.station.frame_in_world(&frame) else {
-                    return self.refuse(
-                        "the target of this motion is given in something that is attached to nothing",
+                    return self.reject(
+                        "the target of this motion is given in something that is attached to \
+                         nothing",
                     );
                 };
-                let own = frame.redundancy;
+                let redundancy = frame.redundancy;
                 let target = Target {
-                    e1_rad: own.e1_rad,
-                    status: own.status,
-                    turn: own.turn,
+                    e1_rad: redundancy.e1_rad,
+                    status: redundancy.status,
+                    turn: redundancy.turn,
                     ..in_foot(place)
                 };
-                Ok(given(target))
+                Ok(destination_of(target))
             }
         }
     }
@@ -430,7 +437,7 @@ impl Robotics<'_> {
             Some(taught) => Target { frame: place, base: Some(FOOT.to_owned()), ..taught.clone() },
             None => in_foot(place),
         };
-        given(target)
+        destination_of(target)
     }
 
     /// Before the first motion, sets the program's tool and load from the bodies at the flange.
@@ -446,13 +453,13 @@ impl Robotics<'_> {
         self.station.workcell.tool = tools;
         self.station.has_moved = true;
         self.station.carried = self.station.workcell.load(None).copied();
-        let place = self.station.attached_at.take().unwrap_or_else(|| self.here.clone());
+        let place = self.station.attached_at.take().unwrap_or_else(|| self.place.clone());
         self.carry(place)
     }
 
     /// Applies a payload change: at once if the robot has moved, otherwise at the first motion.
     pub(crate) fn load_changed(&mut self) -> Result<(), Stop> {
-        let place = self.here.clone();
+        let place = self.place.clone();
         if self.station.has_moved {
             return self.carry(place);
         }
@@ -466,8 +473,8 @@ impl Robotics<'_> {
         if self.station.carried == wanted {
             return Ok(());
         }
-        let own = self.station.workcell.load(None).copied();
-        let step = (wanted != own).then(|| wanted.unwrap_or_default());
+        let load = self.station.workcell.load(None).copied();
+        let step = (wanted != load).then(|| wanted.unwrap_or_default());
         self.check(&Motion::Load(step))?;
         self.station.schedule.load(step, place);
         self.station.carried = wanted;
@@ -497,14 +504,14 @@ impl Robotics<'_> {
 /// Returns the motions of a batch, each with its settings and, where unset, those of the batch; any
 /// other motion alone.
 fn members(motion: &Rc<RefCell<MotionValue>>, defaults: &Settings) -> Vec<(MotionValue, Settings)> {
-    let own = motion.borrow().clone();
-    let settings = own.settings.or(defaults);
-    match &own.way {
+    let copied = motion.borrow().clone();
+    let settings = copied.settings.or(defaults);
+    match &copied.way {
         // A batch that cannot be planned is not split, so that its reason is reported.
-        Way::Batch(motions) if own.obstacle.is_none() => {
+        Way::Batch(motions) if copied.obstacle.is_none() => {
             motions.iter().flat_map(|motion| members(motion, &settings)).collect()
         }
-        _ => vec![(own, settings)],
+        _ => vec![(copied, settings)],
     }
 }
 
@@ -523,7 +530,7 @@ fn in_foot(frame: Frame) -> Target {
     Target { base: Some(FOOT.to_owned()), ..Target::at(frame) }
 }
 
-fn given(target: Target) -> Destination {
+fn destination_of(target: Target) -> Destination {
     Destination {
         pose: target.frame.pose(),
         e1_rad: target.e1_rad,

@@ -45,7 +45,9 @@ fn names(is_class: bool) -> BTreeSet<String> {
     let is_name = |text: &&str| {
         let first = text.chars().next();
         let begins =
-            first.is_some_and(|own| if is_class { own.is_uppercase() } else { own.is_lowercase() });
+            first.is_some_and(
+                |letter| if is_class { letter.is_uppercase() } else { letter.is_lowercase() },
+            );
         begins && text.len() > 1 && text.chars().all(char::is_alphanumeric)
     };
     let texts = SOURCES.iter().flat_map(|source| source.split('"').skip(1).step_by(2));
@@ -97,7 +99,7 @@ fn receivers() -> Vec<RobotValue> {
     ];
     all.extend(classes.map(RobotValue::opaque));
     let constant = EnumConstant::named("TimeUnit", "SECONDS");
-    all.extend(constant.map(|own| RobotValue::Constant(Rc::new(own))));
+    all.extend(constant.map(|constant| RobotValue::Constant(Rc::new(constant))));
     all
 }
 
@@ -108,9 +110,9 @@ fn unknown(machine: &Robotics<'_>) -> Value {
 /// Returns true if the contents of a value are unknown.
 fn is_spoiled(receiver: &RobotValue) -> bool {
     match receiver {
-        RobotValue::Joints(own) => own.borrow().unknown.is_some(),
-        RobotValue::Frame(own) => own.borrow().unknown.is_some(),
-        RobotValue::Motion(own) => own.borrow().obstacle.is_some(),
+        RobotValue::Joints(joints) => joints.borrow().unknown.is_some(),
+        RobotValue::Frame(frame) => frame.borrow().unknown.is_some(),
+        RobotValue::Motion(motion) => motion.borrow().obstacle.is_some(),
         _ => false,
     }
 }
@@ -175,7 +177,7 @@ fn ignores_arguments(class: &str, name: &str) -> bool {
 }
 
 #[test]
-fn each_offered_method_gives_what_is_known_asked_for_or_unknown() {
+fn each_offered_method_gives_a_value_a_question_or_unknown() {
     let names = names(false);
     assert!(names.len() > 150, "{}", names.len());
     let mut wrong = BTreeSet::new();
@@ -199,23 +201,24 @@ fn each_offered_method_gives_what_is_known_asked_for_or_unknown() {
                 let notes = machine.notes.len();
                 let result = machine.call_robot(&receiver, name, &list);
                 let class = iiwa_java::HostValue::class(&receiver).to_owned();
-                let at = format!("{class}.{name}");
+                let call = format!("{class}.{name}");
                 match result {
-                    Ok(Value::Unknown(own)) => {
-                        if own.reason.is_empty() || own.place.line == 0 {
-                            wrong.insert(format!("{at}: unknown without a reason or a place"));
+                    Ok(Value::Unknown(unknown)) => {
+                        if unknown.reason.is_empty() || unknown.place.line == 0 {
+                            wrong.insert(format!("{call}: unknown without a reason or a place"));
                         }
                     }
                     Err(Stop::Refused(refusal)) if !refusal.reason.is_empty() => {}
                     Err(Stop::Thrown(thrown)) if !thrown.message.is_empty() => {}
                     Err(stop) => {
-                        wrong.insert(format!("{at}: {stop:?}"));
+                        wrong.insert(format!("{call}: {stop:?}"));
                     }
                     Ok(_) if arguments < 5 => {}
                     Ok(_) => {
                         let is_said = machine.notes.len() > notes || is_spoiled(&receiver);
                         if !is_said && !ignores_arguments(&class, name) {
-                            wrong.insert(format!("{at}: {arguments}: known by unknown arguments"));
+                            wrong
+                                .insert(format!("{call}: {arguments}: known by unknown arguments"));
                         }
                     }
                 }
@@ -226,7 +229,7 @@ fn each_offered_method_gives_what_is_known_asked_for_or_unknown() {
                     )
                     && !is_spoiled(&receiver)
                 {
-                    wrong.insert(format!("{at}: it may have changed its object"));
+                    wrong.insert(format!("{call}: it may have changed its object"));
                 }
             }
         }

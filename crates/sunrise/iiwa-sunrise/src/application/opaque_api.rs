@@ -27,7 +27,7 @@ impl Robotics<'_> {
             "IApplicationData" => return self.call_application_data(name, arguments),
             "IApplicationUI" => {
                 return match name {
-                    "displayModalDialog" => self.ask(arguments),
+                    "displayModalDialog" => self.answer_dialog(arguments),
                     name => Ok(self.call_user_interface(name)),
                 };
             }
@@ -58,7 +58,7 @@ impl Robotics<'_> {
             "IContext" | "Controller" => return Ok(self.call_controller(name, arguments)),
             "IObserverManager" if name == "waitFor" => {
                 if arguments.len() > 1 {
-                    return Ok(self.ask_fired("the condition of a wait"));
+                    return Ok(self.answer_condition("the condition of a wait"));
                 }
                 self.note("a wait for a condition is planned as if it came true at once");
                 return Ok(Value::Null);

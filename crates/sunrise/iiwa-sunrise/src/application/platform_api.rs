@@ -53,10 +53,10 @@ impl Robotics<'_> {
         match name {
             "move" | "moveAsync" | "execute" | "executeAsync" | "drive" | "driveTo" => {
                 if let Some(RobotValue::Motion(_)) = arguments.first().and_then(robot_value) {
-                    return self.refuse("a motion of the arm is sent to the mobile platform");
+                    return self.reject("a motion of the arm is sent to the mobile platform");
                 }
                 self.take_given_time("the platform drives")?;
-                self.station.driven_at = Some(self.here.clone());
+                self.station.driven_at = Some(self.place.clone());
                 Ok(robot(RobotValue::opaque("PlatformMotion")))
             }
             // Methods of a platform manager.
@@ -67,7 +67,7 @@ impl Robotics<'_> {
             "getController" => Ok(robot(RobotValue::opaque("Controller"))),
             _ if ["lock", "unlock", "set", "add", "remove"]
                 .iter()
-                .any(|own| name.starts_with(own)) =>
+                .any(|prefix| name.starts_with(prefix)) =>
             {
                 Ok(Value::Null)
             }
@@ -91,8 +91,8 @@ impl Robotics<'_> {
     pub(crate) fn note_world_after_drive(&mut self) {
         let Some(place) = self.station.driven_at.take() else { return };
         self.note(format!(
-            "the target is a frame of the world, and the platform has driven before ({place}): it is planned as if the frame had \
-             moved along with the arm's base"
+            "the target is a frame of the world, and the platform has driven before ({place}): it \
+             is planned as if the frame had moved along with the arm's base"
         ));
     }
 }

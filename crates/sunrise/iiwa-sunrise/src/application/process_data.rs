@@ -17,7 +17,7 @@ impl Robotics<'_> {
         let id = match id {
             Value::Text(id) => id.clone(),
             Value::Unknown(unknown) => return Ok(Value::Unknown(unknown.clone())),
-            _ => return self.refuse("process data are named by a string"),
+            _ => return self.reject("process data are named by a string"),
         };
         let known = self.station.process_data.iter().map(|data| data.id.as_str());
         let known: Vec<&str> = known.collect();
@@ -25,12 +25,13 @@ impl Robotics<'_> {
             return Ok(robot(RobotValue::ProcessData(id)));
         }
         self.station.missing.replace(Some(Missing::ProcessData(id.to_string())));
-        let instead = match meant(&id, known) {
+        let suggestion = match meant(&id, known) {
             Some(meant) => format!("; did you mean `{meant}`?"),
             None => String::new(),
         };
-        self.refuse(format!(
-            "the data file has no process data `{id}`{instead}; an answer, `[data]`, gives it a value"
+        self.reject(format!(
+            "the data file has no process data `{id}`{suggestion}; an answer, `[data]`, gives it a \
+             value"
         ))
     }
 
@@ -82,18 +83,18 @@ impl Robotics<'_> {
     fn stated(
         &self,
         id: &str,
-        of: impl Fn(&crate::ProcessData) -> Option<String>,
+        value_of: impl Fn(&crate::ProcessData) -> Option<String>,
     ) -> Option<String> {
-        self.station.process_data.iter().find(|data| data.id == id).and_then(of)
+        self.station.process_data.iter().find(|data| data.id == id).and_then(value_of)
     }
 
     fn stated_value(
         &mut self,
         id: &str,
         name: &str,
-        of: impl Fn(&crate::ProcessData) -> Option<String>,
+        value_of: impl Fn(&crate::ProcessData) -> Option<String>,
     ) -> Result<Value, Stop> {
-        match self.stated(id, of) {
+        match self.stated(id, value_of) {
             Some(text) => self.typed(id, &text),
             None => Ok(self.not_known(&format!("IProcessData.{name}"))),
         }
@@ -126,7 +127,7 @@ impl Robotics<'_> {
         match value {
             Some(value) => Ok(value),
             None => {
-                self.refuse(format!("the process data `{id}` are `{text}`, which is not a {class}"))
+                self.reject(format!("the process data `{id}` are `{text}`, which is not a {class}"))
             }
         }
     }

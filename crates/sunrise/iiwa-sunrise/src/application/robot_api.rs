@@ -54,7 +54,7 @@ impl Robotics<'_> {
             let is_new = unknown.is_unmodelled_call;
             match receiver {
                 RobotValue::Redundancy(_) => {
-                    return self.refuse(format!("`{name}` of a redundancy is not evaluated"));
+                    return self.reject(format!("`{name}` of a redundancy is not evaluated"));
                 }
                 RobotValue::Robot | RobotValue::Spot(_) if is_new => {
                     let kind = receiver.kind();
@@ -100,8 +100,8 @@ impl Robotics<'_> {
         if matches!(name, "move" | "moveAsync") {
             return self.move_by(Spot::Flange, name == "moveAsync", arguments);
         }
-        if let Some((_, what)) = MEASURED.iter().find(|(word, _)| name.contains(word)) {
-            return Ok(self.unknown(*what));
+        if let Some((_, quantity)) = MEASURED.iter().find(|(word, _)| name.contains(word)) {
+            return Ok(self.unknown(*quantity));
         }
         if let Some(unknown) = first_unknown(arguments) {
             return Ok(Value::Unknown(unknown));
@@ -138,7 +138,7 @@ impl Robotics<'_> {
                 };
                 match joints_rad {
                     Some(joints_rad) => self.station.home_rad = joints_rad,
-                    None => return self.refuse("the home position is not known"),
+                    None => return self.reject("the home position is not known"),
                 }
                 Ok(Value::Null)
             }
@@ -150,7 +150,10 @@ impl Robotics<'_> {
             }
             ("hasActiveMotionCommand", []) => {
                 if self.station.schedule.is_under_way() || self.station.schedule.is_holding() {
-                    self.note("a program that asks whether the arm moves is planned as if it awaited its end");
+                    self.note(
+                        "a program that asks whether the arm moves is planned as if it \
+                        awaited its end",
+                    );
                     self.station.schedule.await_all();
                 }
                 Ok(Value::Boolean(false))
@@ -173,12 +176,12 @@ impl Robotics<'_> {
 
     /// Notes that the position is queried while the robot may be moving: the result is the end
     /// position.
-    fn know_where(&mut self, what: &str) {
+    fn know_where(&mut self, query: &str) {
         let readings = &self.station.position_readings;
         readings.set(readings.get() + 1);
         if self.station.schedule.is_under_way() {
             self.note(format!(
-                "the arm is asked for {what} while it moves: it gets those of the motion's end"
+                "the arm is asked for {query} while it moves: it gets those of the motion's end"
             ));
         }
     }
@@ -198,23 +201,23 @@ impl Robotics<'_> {
         }
         self.check_template(spot)?;
         let Some(tcp) = self.station.in_flange(spot) else {
-            let what = self.spot_name(spot);
-            return self.refuse(format!(
-                "{what} is asked where it is, and it is not attached to the flange"
+            let subject = self.spot_name(spot);
+            return self.reject(format!(
+                "{subject} is asked where it is, and it is not attached to the flange"
             ));
         };
         let at_rad = self.station.at_rad;
-        let found = self.frame_at(&at_rad, &tcp);
-        let Some(reference) = reference else { return Ok(found) };
-        match (robot_value(&found), robot_value(reference)) {
-            (Some(RobotValue::Frame(found)), Some(RobotValue::Spot(reference))) => {
+        let position = self.frame_at(&at_rad, &tcp);
+        let Some(reference) = reference else { return Ok(position) };
+        match (robot_value(&position), robot_value(reference)) {
+            (Some(RobotValue::Frame(current)), Some(RobotValue::Spot(reference))) => {
                 let Some(base) = self.station.in_world(reference) else {
                     return Ok(self.not_known("LBR.getCurrentCartesianPosition"));
                 };
-                let own = found.borrow().clone();
-                let frame = then(&inverse(&base), &own.frame);
+                let current = current.borrow().clone();
+                let frame = then(&inverse(&base), &current.frame);
                 let within = FrameValue {
-                    redundancy: own.redundancy,
+                    redundancy: current.redundancy,
                     ..FrameValue::within(reference, frame)
                 };
                 Ok(robot(RobotValue::frame(within)))
@@ -227,11 +230,11 @@ impl Robotics<'_> {
     fn frame_at(&self, joints_rad: &Joints, tcp: &Frame) -> Value {
         let model = &self.station.robot;
         let pose = model.flange_pose(joints_rad).then(&tcp.pose());
-        let found = model.redundancy(joints_rad);
+        let values = model.redundancy(joints_rad);
         let redundancy = RedundancyValue {
-            e1_rad: Some(found.e1_rad),
-            status: Some(found.status),
-            turn: Some(found.turn.bits()),
+            e1_rad: Some(values.e1_rad),
+            status: Some(values.status),
+            turn: Some(values.turn.bits()),
         };
         let frame = FrameValue::within(Spot::World, Frame::from(&pose));
         robot(RobotValue::frame(FrameValue { redundancy, ..frame }))
@@ -247,7 +250,7 @@ impl Robotics<'_> {
             return self.throw("IllegalArgumentException", "the frame says no redundancy");
         };
         let Some(place) = self.station.frame_in_world(&frame) else {
-            return self.refuse("a frame is given in something that is attached to nothing");
+            return self.reject("a frame is given in something that is attached to nothing");
         };
         match self.station.robot.inverse(&place.pose(), e1_rad, status) {
             Ok(joints_rad) => Ok(robot(RobotValue::joints(joints_rad))),
@@ -258,22 +261,22 @@ impl Robotics<'_> {
     /// Calls a method of the joint limits.
     fn call_limits(&mut self, name: &str) -> Value {
         let limits = self.station.robot.limits();
-        let found = match name {
+        let joint_values = match name {
             "getMaxJointPosition" => limits.upper_rad,
             "getMinJointPosition" => limits.lower_rad,
             "getMaxJointVelocity" => limits.velocity_rad_s,
             _ => return self.not_known(&format!("JointLimits.{name}")),
         };
-        robot(RobotValue::joints(found))
+        robot(RobotValue::joints(joint_values))
     }
 
     /// Sets the override of an application.
     pub(crate) fn set_override(&mut self, share: &Value) -> Result<Value, Stop> {
         match share {
-            Value::Unknown(unknown) => self.refuse_unknown("the speed of the application", unknown),
+            Value::Unknown(unknown) => self.reject_unknown("the speed of the application", unknown),
             share => {
                 let share = share.number().unwrap_or(1.0);
-                self.station.speed_override = (share < 1.0).then(|| (share, self.here.clone()));
+                self.station.speed_override = (share < 1.0).then(|| (share, self.place.clone()));
                 Ok(Value::Null)
             }
         }

@@ -41,7 +41,7 @@ fn gripper(machine: &mut Robotics<'static>) -> Result<Value, Stop> {
 
 fn course(program: &Program, index: usize) -> Option<&Course> {
     match program.motions.get(index)? {
-        Motion::Cartesian(own) => Some(&own.course),
+        Motion::Cartesian(cartesian) => Some(&cartesian.course),
         _ => None,
     }
 }
@@ -125,7 +125,7 @@ fn computed_frames_are_in_the_robots_foot() -> Result<(), Stop> {
 }
 
 #[test]
-fn a_frame_turns_about_its_own_axes() -> Result<(), Stop> {
+fn a_frame_rotates_about_its_axes() -> Result<(), Stop> {
     let mut machine = machine("");
     let frame = machine.new_frame(&doubles(&[500.0, 0.0, 400.0, 0.0, 0.0, std::f64::consts::PI]));
     let down = transformation_static("ofDeg", &doubles(&[0.0, 0.0, 50.0, 0.0, 0.0, 0.0]));
@@ -147,7 +147,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
     let data = machine.robot_injected("IApplicationData", None, "data")?.unwrap_or(Value::Null);
     let part = machine.on(&data, "createFromTemplate", &texts(&["Box"]))?;
     machine.on(&part, "attachTo", std::slice::from_ref(&tip))?;
-    let attached_at = machine.here.line;
+    let attached_at = machine.place.line;
     let pick = machine.frame("Table/Pick")?;
     for mover in [&tip, &part, &flange()] {
         let motion = machine.motion("ptp", std::slice::from_ref(&pick))?;
@@ -173,7 +173,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
         .motions
         .iter()
         .filter_map(|motion| match motion {
-            Motion::Cartesian(own) => Some(own.tool.as_deref()),
+            Motion::Cartesian(cartesian) => Some(cartesian.tool.as_deref()),
             _ => None,
         })
         .collect();
@@ -184,7 +184,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
 }
 
 #[test]
-fn a_batch_gives_its_members_what_they_lack() -> Result<(), Stop> {
+fn a_batch_passes_settings_to_its_members() -> Result<(), Stop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let down = machine.motion("linRel", &doubles(&[0.0, 0.0, 20.0]))?;
@@ -196,23 +196,23 @@ fn a_batch_gives_its_members_what_they_lack() -> Result<(), Stop> {
     let lbr = lbr();
     machine.on(&lbr, "move", &[batch])?;
     let (program, _) = finished(&mut machine);
-    let found: Vec<(f64, Option<f64>)> = program
+    let actual: Vec<(f64, Option<f64>)> = program
         .motions
         .iter()
         .filter_map(|motion| match motion {
-            Motion::Cartesian(own) => {
-                let blend = own.blend.and_then(|blend| blend.cart_mm);
-                Some((own.tool_limits.way[LimitKind::Velocity], blend))
+            Motion::Cartesian(cartesian) => {
+                let blend = cartesian.blend.and_then(|blend| blend.cart_mm);
+                Some((cartesian.tool_limits.way[LimitKind::Velocity], blend))
             }
             _ => None,
         })
         .collect();
-    assert_eq!(found, [(0.09, Some(10.0)), (0.04, None)]);
+    assert_eq!(actual, [(0.09, Some(10.0)), (0.04, None)]);
     Ok(())
 }
 
 #[test]
-fn waits_overlap_what_is_under_way() -> Result<(), Stop> {
+fn waits_overlap_running_motions() -> Result<(), Stop> {
     let mut machine = machine("");
     let lbr = lbr();
     machine.robot_static("ThreadUtil", "milliSleep", &[Value::Int(700)])?;
@@ -242,8 +242,8 @@ fn questions_are_answered_and_recorded() -> Result<(), Stop> {
     }
     let data = machine.robot_injected("IApplicationData", None, "data")?.unwrap_or(Value::Null);
     for (id, expected) in [("velocity", 0.25), ("count", 7.0)] {
-        let found = machine.on(&data, "getProcessData", &texts(&[id]))?;
-        assert_eq!(machine.on(&found, "getValue", &[])?.number(), Some(expected));
+        let value = machine.on(&data, "getProcessData", &texts(&[id]))?;
+        assert_eq!(machine.on(&value, "getValue", &[])?.number(), Some(expected));
     }
     let belt = machine.robot_injected("BeltIOGroup", None, "belt")?.unwrap_or(Value::Null);
     assert_eq!(machine.on(&belt, "getLane", &[])?.integer(), Some(2));
@@ -259,7 +259,7 @@ fn questions_are_answered_and_recorded() -> Result<(), Stop> {
 }
 
 #[test]
-fn what_cannot_be_planned_is_refused_by_name() -> Result<(), Stop> {
+fn unsupported_motions_are_rejected_by_name() -> Result<(), Stop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let lbr = lbr();
@@ -283,7 +283,7 @@ fn what_cannot_be_planned_is_refused_by_name() -> Result<(), Stop> {
 }
 
 #[test]
-fn what_is_not_there_is_refused_with_the_nearest_name() {
+fn unknown_names_are_rejected_with_the_nearest_name() {
     let mut machine = machine("");
     let why = reason(machine.frame("/Table/Pock"));
     assert!(why.contains("`/Table/Pock`") && why.contains("`/Table/Pick`"), "{why}");
@@ -292,7 +292,7 @@ fn what_is_not_there_is_refused_with_the_nearest_name() {
 }
 
 #[test]
-fn what_is_out_of_reach_is_refused_with_the_distance() -> Result<(), Stop> {
+fn unreachable_frames_are_rejected_with_the_distance() -> Result<(), Stop> {
     let mut machine = machine("");
     let (lbr, shelf) = (lbr(), machine.frame("/Shelf")?);
     let motion = machine.motion("ptp", &[shelf])?;
@@ -302,7 +302,7 @@ fn what_is_out_of_reach_is_refused_with_the_distance() -> Result<(), Stop> {
 }
 
 #[test]
-fn what_is_not_known_spoils_only_what_needs_it() -> Result<(), Stop> {
+fn unknown_values_affect_only_their_uses() -> Result<(), Stop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let lbr = lbr();
@@ -374,7 +374,7 @@ fn frames_within_frames_stay_where_they_are() -> Result<(), Stop> {
 }
 
 #[test]
-fn inputs_of_a_project_s_own_group() -> Result<(), Stop> {
+fn inputs_of_a_project_group() -> Result<(), Stop> {
     let mut machine = machine("[inputs]\n\"Belt.Height\" = 37\n\"Belt.Full\" = 1\n");
     let group = Rc::new(Object::detached());
     machine.robot_constructed(&group, "AbstractIOGroup", &[Value::Null, Value::text("Belt")])?;
@@ -391,7 +391,7 @@ fn inputs_of_a_project_s_own_group() -> Result<(), Stop> {
 }
 
 #[test]
-fn what_programs_cannot_have_is_refused_where_it_is() -> Result<(), Stop> {
+fn inexpressible_calls_are_rejected_with_their_place() -> Result<(), Stop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let lbr = lbr();

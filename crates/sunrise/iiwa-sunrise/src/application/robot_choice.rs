@@ -47,20 +47,20 @@ impl RobotChoice {
             notes.push(ImportNote { text, source });
         }
         let mut questions = Vec::new();
-        let mut ask = |kind, asked, answer, is_given| {
+        let mut add_question = |kind, asked, answer, is_given| {
             questions.push(application.question(kind, asked, answer, is_given));
         };
-        let given = given(options)?;
+        let robot_from_options = robot_from_options(options)?;
         let is_profile = |robot: &Robot| Robot::built_in(robot.name()).as_ref() != Some(robot);
         let model = agreed(&all, |means| match means {
             Stated::Model(model) => Some(model.built_in),
             _ => None,
         });
-        let (robot, name) = match (given, model) {
+        let (robot, name) = match (robot_from_options, model) {
             (Some((robot, name)), _) => {
-                notes.extend(all.iter().find_map(|own| other_than(&name, own)));
+                notes.extend(all.iter().find_map(|statement| other_than(&name, statement)));
                 if all.is_empty() {
-                    ask(QuestionKind::Robot, "robot", name.clone(), true);
+                    add_question(QuestionKind::Robot, "robot", name.clone(), true);
                 }
                 (robot, name)
             }
@@ -72,7 +72,7 @@ impl RobotChoice {
                 let stated = stated.one();
                 if stated.is_none() {
                     let assumed = Robot::default().name().to_owned();
-                    ask(QuestionKind::Robot, "robot", assumed, false);
+                    add_question(QuestionKind::Robot, "robot", assumed, false);
                 }
                 let robot = stated.and_then(Robot::built_in).unwrap_or_default();
                 let name = robot.name().to_owned();
@@ -83,10 +83,10 @@ impl RobotChoice {
             let statements = Vec::new();
             return Ok(Self { robot, name, flange_m: None, statements, questions, notes });
         }
-        let own = |own: &RobotStatement| match own.means {
+        let is_same_model = |statement: &RobotStatement| match statement.means {
             Stated::Model(model) | Stated::Flange(model, _) => model.built_in == robot.name(),
         };
-        all.retain(own);
+        all.retain(is_same_model);
         all.extend(taught_with(project, data_file, &robot));
         let flange = agreed(&all, |means| match means {
             Stated::Flange(_, length_m) => Some(*length_m),
@@ -97,29 +97,30 @@ impl RobotChoice {
         let mm = |length_m: f64| format!("{}", (1e6 * length_m).round() / 1e3);
         let flange_m = match (given_m, flange) {
             (Some(given_m), _) => {
-                notes.extend(all.iter().find_map(|own| other_flange(given_m, own)));
+                notes.extend(all.iter().find_map(|statement| other_flange(given_m, statement)));
                 if matches!(flange, Agreement::Nothing) {
-                    ask(QuestionKind::Flange, "flange", mm(given_m), true);
+                    add_question(QuestionKind::Flange, "flange", mm(given_m), true);
                 }
                 given_m
             }
             (None, Agreement::One(stated_m)) => stated_m,
             (None, Agreement::Nothing) => {
-                ask(QuestionKind::Flange, "flange", mm(model_m), false);
+                add_question(QuestionKind::Flange, "flange", mm(model_m), false);
                 model_m
             }
             (None, Agreement::Several) => {
-                all.retain(|own| matches!(own.means, Stated::Flange(..)));
+                all.retain(|statement| matches!(statement.means, Stated::Flange(..)));
                 return Err(ImportError::Flanges(all));
             }
         };
-        let med = |own: &&RobotStatement| matches!(own.means, Stated::Model(model) if model.is_med);
-        notes.extend(all.iter().find(med).map(|own| ImportNote {
+        let med = |statement: &&RobotStatement| matches!(statement.means, Stated::Model(model) if model.is_med);
+        notes.extend(all.iter().find(med).map(|statement| ImportNote {
             text: format!(
-                "{} is planned as {name}, which has the same kinematics; that its limits are the same is assumed",
-                own.words
+                "{} is planned as {name}, which has the same kinematics; that its limits are the \
+                 same is assumed",
+                statement.words
             ),
-            source: source(own),
+            source: source(statement),
         }));
         let robot = robot.with_flange_m(flange_m).map_err(ImportError::FlangeLength)?;
         Ok(Self { robot, name, flange_m: Some(flange_m), statements: all, questions, notes })
@@ -127,7 +128,7 @@ impl RobotChoice {
 }
 
 /// Returns the robot of the options, or of the answers.
-fn given(options: &ImportOptions) -> Result<Option<(Robot, String)>, ImportError> {
+fn robot_from_options(options: &ImportOptions) -> Result<Option<(Robot, String)>, ImportError> {
     if let Some(robot) = &options.robot {
         let name = options.robot_name.clone().unwrap_or_else(|| robot.name().to_owned());
         return Ok(Some((robot.clone(), name)));
@@ -166,14 +167,14 @@ fn agreed<T: Copy + PartialEq>(
 ) -> Agreement<T> {
     let mut left: Option<Vec<T>> = None;
     for by in [StatedBy::Station, StatedBy::DataFile, StatedBy::Java] {
-        let own = statements.iter().filter(|own| own.by == by);
-        let own: Vec<T> = own.filter_map(|own| value(&own.means)).collect();
-        if own.is_empty() {
+        let of_source = statements.iter().filter(|statement| statement.by == by);
+        let values: Vec<T> = of_source.filter_map(|statement| value(&statement.means)).collect();
+        if values.is_empty() {
             continue;
         }
         match &mut left {
-            Some(left) => left.retain(|value| own.contains(value)),
-            None => left = Some(own),
+            Some(left) => left.retain(|value| values.contains(value)),
+            None => left = Some(values),
         }
     }
     match left.as_deref() {
@@ -199,8 +200,8 @@ fn statements(
         let files = files.filter(move |file| (file.path() == application.file) == is_own);
         files.flat_map(SourceFile::robots).cloned().collect::<Vec<_>>()
     };
-    let own = named(true);
-    all.extend(if own.is_empty() { named(false) } else { own });
+    let all_named = named(true);
+    all.extend(if all_named.is_empty() { named(false) } else { all_named });
     all
 }
 
@@ -215,7 +216,7 @@ fn data_text(project: &Project) -> (&str, &str) {
 /// Creates a statement of the data file, at the first occurrence of the words.
 fn in_data_file(project: &Project, words: &str, means: Stated) -> RobotStatement {
     let (path, text) = data_text(project);
-    let before = text.find(words).and_then(|at| text.get(..at)).unwrap_or_default();
+    let before = text.find(words).and_then(|offset| text.get(..offset)).unwrap_or_default();
     let line = before.matches('\n').count() + 1;
     RobotStatement {
         by: StatedBy::DataFile,
@@ -233,29 +234,29 @@ fn devices(project: &Project, data_file: &DataFile) -> Vec<RobotStatement> {
     let mut open: Vec<_> = data_file.frames.iter().rev().collect();
     while let Some(frame) = open.pop() {
         open.extend(frame.children.iter().rev());
-        let taught = frame.teaching.as_ref().map(|own| own.device.as_str());
-        let reached = frame.redundancy.as_ref().map(|own| own.device.as_str());
+        let taught = frame.teaching.as_ref().map(|teaching| teaching.device.as_str());
+        let reached = frame.redundancy.as_ref().map(|redundancy| redundancy.device.as_str());
         for name in [taught, reached].into_iter().flatten() {
             if !names.contains(&name) {
                 names.push(name);
             }
         }
     }
-    let mut found: Vec<_> = names
+    let mut statements: Vec<_> = names
         .into_iter()
         .filter_map(named)
         .map(|(name, model)| in_data_file(project, name, Stated::Model(model)))
         .collect();
     let exported = data_file.setting(ExportedProject::ROBOT_ID);
     if let Some((name, model)) = exported.and_then(named) {
-        found.push(in_data_file(project, name, Stated::Model(model)));
+        statements.push(in_data_file(project, name, Stated::Model(model)));
         let flange_mm = data_file.setting(ExportedProject::FLANGE_ID);
         if let Some(flange_mm) = flange_mm.and_then(|mm| mm.parse::<f64>().ok()) {
             let means = Stated::Flange(model, flange_mm / 1e3);
-            found.push(in_data_file(project, ExportedProject::FLANGE_ID, means));
+            statements.push(in_data_file(project, ExportedProject::FLANGE_ID, means));
         }
     }
-    found
+    statements
 }
 
 /// Returns a device name with its model.
@@ -281,9 +282,10 @@ fn taught_with(project: &Project, data_file: &DataFile, robot: &Robot) -> Option
         let robot = robot.clone().with_flange_m(flange_m).unwrap_or_default();
         cell.taught_and_agreeing(&robot)
     });
-    let (flange_m, most) = if other > touch { (lengths[0], other) } else { (lengths[1], touch) };
+    let (flange_m, farthest) =
+        if other > touch { (lengths[0], other) } else { (lengths[1], touch) };
     // Some frames were taught before a change of the tool or of the robot, so that 90 % are enough.
-    if other == touch || 10 * most < 9 * taught {
+    if other == touch || 10 * farthest < 9 * taught {
         return None;
     }
     let counts = lengths.into_iter().zip([other, touch]);
@@ -303,8 +305,8 @@ fn source(statement: &RobotStatement) -> Source {
 /// Creates a note if the project states another model than the given one, by name.
 fn other_than(name: &str, statement: &RobotStatement) -> Option<ImportNote> {
     let Stated::Model(model) = statement.means else { return None };
-    let given = StatedModel::in_name(name)?;
-    (given.built_in != model.built_in).then(|| ImportNote {
+    let robot_from_options = StatedModel::in_name(name)?;
+    (robot_from_options.built_in != model.built_in).then(|| ImportNote {
         text: format!("the project states {}: it is planned on {name}, as given", statement.words),
         source: source(statement),
     })
@@ -315,7 +317,8 @@ fn other_flange(given_m: f64, statement: &RobotStatement) -> Option<ImportNote> 
     let Stated::Flange(_, stated_m) = statement.means else { return None };
     (stated_m != given_m).then(|| ImportNote {
         text: format!(
-            "the project states a flange of {:.0} mm ({}): it is planned with one of {} mm, as given",
+            "the project states a flange of {:.0} mm ({}): it is planned with one of {} mm, as \
+             given",
             1e3 * stated_m,
             statement.words,
             1e3 * given_m

@@ -98,10 +98,10 @@ impl RobotValue {
     pub(crate) fn spoil(&self, unknown: &Rc<Unknown>) {
         let unknown = Rc::clone(unknown);
         match self {
-            Self::Joints(own) => own.borrow_mut().unknown = Some(unknown),
-            Self::Frame(own) => own.borrow_mut().unknown = Some(unknown),
-            Self::Motion(own) => {
-                own.borrow_mut().obstruct(Obstacle::Unknown("this motion".to_owned(), unknown));
+            Self::Joints(joints) => joints.borrow_mut().unknown = Some(unknown),
+            Self::Frame(frame) => frame.borrow_mut().unknown = Some(unknown),
+            Self::Motion(motion) => {
+                motion.borrow_mut().obstruct(Obstacle::Unknown("this motion".to_owned(), unknown));
             }
             _ => {}
         }

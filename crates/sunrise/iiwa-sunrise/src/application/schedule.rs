@@ -171,9 +171,9 @@ impl Schedule {
                     ptp.blocking = entry.is_awaited;
                     ptp.blend = ptp.blend.filter(|_| is_followed && !entry.is_awaited);
                 }
-                Motion::Cartesian(own) => {
-                    own.blocking = entry.is_awaited;
-                    own.blend = own.blend.filter(|_| is_followed && !entry.is_awaited);
+                Motion::Cartesian(cartesian) => {
+                    cartesian.blocking = entry.is_awaited;
+                    cartesian.blend = cartesian.blend.filter(|_| is_followed && !entry.is_awaited);
                 }
             }
             is_followed = true;

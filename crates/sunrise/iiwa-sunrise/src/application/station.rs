@@ -195,7 +195,7 @@ impl Station {
     }
 
     /// Creates a new body from a template, and returns its index.
-    pub(crate) fn made(&mut self, template: &Body) -> usize {
+    pub(crate) fn add_body(&mut self, template: &Body) -> usize {
         self.bodies.push(template.clone());
         self.bodies.len() - 1
     }
@@ -210,12 +210,12 @@ impl Station {
             Spot::Flange => Some(Frame::default()),
             Spot::World | Spot::Tree(_) => None,
             Spot::Root(index) => {
-                let (at, frame) = self.bodies.get(index)?.attached?;
-                Some(then(&self.in_flange(at)?, &frame))
+                let (parent, frame) = self.bodies.get(index)?.attached?;
+                Some(then(&self.in_flange(parent)?, &frame))
             }
             Spot::Of(index, frame) => {
-                let own = self.bodies.get(index)?.frames.get(frame)?.frame;
-                Some(then(&self.in_flange(Spot::Root(index))?, &own))
+                let frame_pose = self.bodies.get(index)?.frames.get(frame)?.frame;
+                Some(then(&self.in_flange(Spot::Root(index))?, &frame_pose))
             }
         }
     }
@@ -233,19 +233,21 @@ impl Station {
                 Some(Frame::from(&self.robot.flange_pose(&self.at_rad)))
             }
             Spot::Tree(index) => {
-                let found = self.tree.get(index)?;
-                match found.parent {
-                    Some(parent) => Some(then(&self.in_world(Spot::Tree(parent))?, &found.frame)),
-                    None => Some(found.frame),
+                let tree_frame = self.tree.get(index)?;
+                match tree_frame.parent {
+                    Some(parent) => {
+                        Some(then(&self.in_world(Spot::Tree(parent))?, &tree_frame.frame))
+                    }
+                    None => Some(tree_frame.frame),
                 }
             }
             Spot::Root(index) => {
-                let (at, frame) = self.bodies.get(index)?.attached?;
-                Some(then(&self.in_world(at)?, &frame))
+                let (parent, frame) = self.bodies.get(index)?.attached?;
+                Some(then(&self.in_world(parent)?, &frame))
             }
             Spot::Of(index, frame) => {
-                let own = self.bodies.get(index)?.frames.get(frame)?.frame;
-                Some(then(&self.in_world(Spot::Root(index))?, &own))
+                let frame_pose = self.bodies.get(index)?.frames.get(frame)?.frame;
+                Some(then(&self.in_world(Spot::Root(index))?, &frame_pose))
             }
         }
     }
@@ -264,28 +266,28 @@ impl Station {
     /// Returns the number of attachments between a frame and an unattached one.
     pub(crate) fn attached_deep(&self, mut spot: Spot) -> usize {
         let mut depth = 0;
-        while let Some((at, _)) =
+        while let Some((parent, _)) =
             spot.body().and_then(|body| self.bodies.get(body)).and_then(|body| body.attached)
         {
-            (spot, depth) = (at, depth + 1);
+            (spot, depth) = (parent, depth + 1);
         }
         depth
     }
 
     /// Returns true if a frame belongs to a body, or is attached to it directly or indirectly.
     pub(crate) fn hangs_on(&self, spot: Spot, body: usize) -> bool {
-        let Some(own) = spot.body() else { return false };
-        let at = || self.bodies.get(own).and_then(|own| own.attached);
-        own == body || at().is_some_and(|(at, _)| self.hangs_on(at, body))
+        let Some(spot_body) = spot.body() else { return false };
+        let attached = || self.bodies.get(spot_body).and_then(|attachment| attachment.attached);
+        spot_body == body || attached().is_some_and(|(parent, _)| self.hangs_on(parent, body))
     }
 
     /// Returns the total payload at the flange; `None` if it has no mass.
     pub(crate) fn flange_load(&self) -> Option<Load> {
-        let of = |(index, body): (usize, &Body)| {
+        let load_of = |(index, body): (usize, &Body)| {
             let load = body.load.filter(|load| load.mass_kg > 0.0)?;
             Some((self.in_flange(Spot::Root(index))?, load))
         };
-        together(&self.bodies.iter().enumerate().filter_map(of).collect::<Vec<_>>())
+        together(&self.bodies.iter().enumerate().filter_map(load_of).collect::<Vec<_>>())
     }
 
     /// Returns the program name of a tool that is attached at the flange as in its template.
@@ -298,21 +300,21 @@ impl Station {
     /// Returns the name of a TCP in programs; a tool is composed for a TCP without a template.
     /// `None` if the TCP is not attached to the flange.
     pub(crate) fn tcp_name(&mut self, spot: Spot) -> Option<String> {
-        let at = self.in_flange(spot)?;
-        if at == Frame::default() && !matches!(spot, Spot::Of(..)) {
-            let own = spot.body().and_then(|body| {
+        let pose = self.in_flange(spot)?;
+        if pose == Frame::default() && !matches!(spot, Spot::Of(..)) {
+            let tool_name = spot.body().and_then(|body| {
                 let has_frames = self.bodies.get(body).is_some_and(|body| !body.frames.is_empty());
                 self.tool_at_flange(body).filter(|_| !has_frames)
             });
-            return Some(own.unwrap_or(FLANGE).to_owned());
+            return Some(tool_name.unwrap_or(FLANGE).to_owned());
         }
         let index = spot.body()?;
         if self.tool_at_flange(index).is_some()
             && let Spot::Of(_, frame) = spot
             // A frame that the application has added or changed has no template name.
-            && let Some(own) = &self.bodies.get(index)?.frames.get(frame)?.in_programs
+            && let Some(name) = &self.bodies.get(index)?.frames.get(frame)?.in_programs
         {
-            return Some(own.clone());
+            return Some(name.clone());
         }
         let root = self.in_flange(Spot::Root(index))?;
         let body = self.bodies.get(index)?;
@@ -325,7 +327,10 @@ impl Station {
             _ => (Tool { tcp: root, ..Tool::default() }, None),
         };
         let wanted = body.name.replace('/', "_");
-        let known = self.composed.iter().find(|(of, known, _)| *of == index && *known == tool);
+        let known = self
+            .composed
+            .iter()
+            .find(|(composed_body, known, _)| *composed_body == index && *known == tool);
         let name = if let Some((.., name)) = known {
             name.clone()
         } else {
@@ -361,20 +366,20 @@ pub(crate) const FOOT: &str = "robot";
 /// Returns the frames of a cell, each after its parent.
 fn tree(cell: &ImportedCell) -> Vec<TreeFrame> {
     let workcell = &cell.workcell;
-    let own = |name: &String| {
+    let frame_and_base = |name: &String| {
         let base = workcell.bases.get(name).map(|base| (base.frame, base.base.clone()));
-        base.or_else(|| workcell.frames.get(name).map(|own| (own.frame, own.base.clone())))
+        base.or_else(|| workcell.frames.get(name).map(|entry| (entry.frame, entry.base.clone())))
     };
     let mut tree: Vec<TreeFrame> = Vec::with_capacity(cell.frames.len());
-    for found in &cell.frames {
-        let (frame, base) = own(&found.name).unwrap_or_default();
+    for cell_frame in &cell.frames {
+        let (frame, base) = frame_and_base(&cell_frame.name).unwrap_or_default();
         let parent = base.and_then(|base| tree.iter().position(|above| above.name == base));
         tree.push(TreeFrame {
-            path: found.path.clone(),
-            name: found.name.clone(),
+            path: cell_frame.path.clone(),
+            name: cell_frame.name.clone(),
             frame,
             parent,
-            pose: found.pose,
+            pose: cell_frame.pose,
             is_changed: false,
             unknown: None,
         });

@@ -54,13 +54,13 @@ impl StationHost {
         match self.0.try_borrow_mut() {
             Ok(mut station) => call(&mut Robotics { machine, station: &mut station }),
             // Not reached: the API does not call project methods, which could call the API again.
-            Err(_) => machine.refuse("a method of KUKA's is called within another"),
+            Err(_) => machine.reject("a method of KUKA's is called within another"),
         }
     }
 }
 
 /// Returns a value that this host has created.
-fn own(value: &Rc<dyn HostValue>) -> Option<&RobotValue> {
+fn robot_value_of(value: &Rc<dyn HostValue>) -> Option<&RobotValue> {
     let value: &dyn std::any::Any = &**value;
     value.downcast_ref()
 }
@@ -106,7 +106,7 @@ impl Host for StationHost {
     }
 
     fn endless(&self, machine: &Machine, asked: usize) {
-        self.0.borrow_mut().ended_in_loop(&machine.here, asked);
+        self.0.borrow_mut().ended_in_loop(&machine.place, asked);
     }
 
     fn call(
@@ -116,7 +116,7 @@ impl Host for StationHost {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        match own(receiver) {
+        match robot_value_of(receiver) {
             Some(receiver) => {
                 self.with(machine, |robotics| robotics.call_robot(receiver, name, arguments))
             }
@@ -130,7 +130,7 @@ impl Host for StationHost {
         receiver: &Rc<dyn HostValue>,
         name: &str,
     ) -> Result<Value, Stop> {
-        match own(receiver) {
+        match robot_value_of(receiver) {
             Some(receiver) => self.with(machine, |robotics| robotics.robot_field(receiver, name)),
             None => Ok(machine.unknown(format!("the field `{name}`"))),
         }
@@ -196,7 +196,7 @@ impl Host for StationHost {
     }
 
     fn text(&self, value: &Rc<dyn HostValue>) -> String {
-        match (own(value), self.0.try_borrow()) {
+        match (robot_value_of(value), self.0.try_borrow()) {
             (Some(value), Ok(station)) => station.robot_text(value),
             _ => value.class().to_owned(),
         }

@@ -31,7 +31,7 @@ impl Station {
         self.trial = None;
         let Some(value) = value else { return true };
         let asked = self.asked.get(since..).unwrap_or_default();
-        let mut open = asked.iter().filter(|own| own.answer.is_none());
+        let mut open = asked.iter().filter(|question| question.answer.is_none());
         match (open.next(), open.next_back()) {
             (Some(first), last)
                 if first.kind == QuestionKind::Input && last.is_none_or(|last| last == first) =>
@@ -50,39 +50,39 @@ impl Station {
 
     /// Formats the inputs and dialogs since `since`, with their answers.
     pub(crate) fn answers_since(&self, since: usize) -> Option<String> {
-        let mut found: Vec<String> = Vec::new();
-        for own in self.asked.get(since..).unwrap_or_default() {
-            let Some(answer) = &own.answer else { continue };
-            let answer = match answer.parse().ok().and_then(|button: usize| own.choices.get(button))
-            {
-                Some(choice) => format!("{answer} ({choice})"),
-                None => answer.clone(),
-            };
-            let kind = match own.kind {
+        let mut answers: Vec<String> = Vec::new();
+        for question in self.asked.get(since..).unwrap_or_default() {
+            let Some(answer) = &question.answer else { continue };
+            let answer =
+                match answer.parse().ok().and_then(|button: usize| question.choices.get(button)) {
+                    Some(choice) => format!("{answer} ({choice})"),
+                    None => answer.clone(),
+                };
+            let kind = match question.kind {
                 QuestionKind::Dialog => "the dialog",
                 QuestionKind::Input => "the input",
                 QuestionKind::Fired => "the condition at",
                 _ => "the value of",
             };
-            let is_given = if own.is_given { "given as" } else { "taken as" };
-            let text = format!("{kind} `{}`, which is {is_given} {answer}", own.subject);
-            if !found.contains(&text) {
-                found.push(text);
+            let is_given = if question.is_given { "given as" } else { "taken as" };
+            let text = format!("{kind} `{}`, which is {is_given} {answer}", question.subject);
+            if !answers.contains(&text) {
+                answers.push(text);
             }
         }
-        (!found.is_empty()).then(|| found.join(", and "))
+        (!answers.is_empty()).then(|| answers.join(", and "))
     }
 
     /// Records the endless loop in which the evaluation ended.
     pub(crate) fn ended_in_loop(&mut self, place: &Place, since: usize) {
         let asked = self.asked.get(since..).unwrap_or_default();
-        let dialogs = asked.iter().filter(|own| own.kind == QuestionKind::Dialog);
-        let mut found: Vec<Asked> = Vec::new();
-        for own in dialogs {
-            if !found.iter().any(|known| known.subject == own.subject) {
-                found.push(own.clone());
+        let dialogs = asked.iter().filter(|question| question.kind == QuestionKind::Dialog);
+        let mut dialogs_by_text: Vec<Asked> = Vec::new();
+        for dialog in dialogs {
+            if !dialogs_by_text.iter().any(|known| known.subject == dialog.subject) {
+                dialogs_by_text.push(dialog.clone());
             }
         }
-        self.endless = Some(EndlessLoop { place: place.clone(), dialogs: found });
+        self.endless = Some(EndlessLoop { place: place.clone(), dialogs: dialogs_by_text });
     }
 }

@@ -5,7 +5,7 @@ use iiwa_java::HostValue;
 use crate::application::{robot_value::RobotValue, spot::Spot, station::Station};
 
 impl Station {
-    pub(crate) fn own_path(&self, spot: Spot) -> String {
+    pub(crate) fn path_in_parent(&self, spot: Spot) -> String {
         match spot {
             Spot::World => "/".to_owned(),
             Spot::Flange => "/Flange".to_owned(),
@@ -28,7 +28,7 @@ impl Station {
         match value {
             RobotValue::Constant(constant) => constant.name.to_string(),
             RobotValue::Joints(joints) => format!("{:?}", joints.borrow().joints_rad),
-            RobotValue::Spot(spot) => self.own_path(*spot),
+            RobotValue::Spot(spot) => self.path_in_parent(*spot),
             other => other.class().to_owned(),
         }
     }

@@ -57,10 +57,10 @@ pub(crate) fn machine(answers: &str) -> Robotics<'static> {
     let data_file = DataFile::from_xml(STATION).unwrap_or_default();
     let setup = StationSetup { data_file, answers, ..StationSetup::default() };
     let idle = Rc::new(StationHost::new(Station::new(StationSetup::default())));
-    let here = Place { file: Rc::from("src/Job.java"), line: 1 };
+    let place = Place { file: Rc::from("src/Job.java"), line: 1 };
     // Leaked, which is acceptable for the duration of the tests.
     Robotics {
-        machine: Box::leak(Box::new(Machine::new(Classes::default(), idle, here))),
+        machine: Box::leak(Box::new(Machine::new(Classes::default(), idle, place))),
         station: Box::leak(Box::new(Station::new(setup))),
     }
 }
@@ -82,16 +82,16 @@ impl Robotics<'_> {
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
-        self.here.line += 1;
+        self.place.line += 1;
         match crate::application::arguments::robot_value(receiver) {
             Some(receiver) => self.call_robot(&receiver, name, arguments),
-            None => self.refuse(format!("`{name}` of {}", receiver.kind())),
+            None => self.reject(format!("`{name}` of {}", receiver.kind())),
         }
     }
 
     pub(crate) fn motion(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
         let motion = self.robot_static("BasicMotions", name, arguments)?;
-        motion.map_or_else(|| self.refuse(format!("no {name}")), Ok)
+        motion.map_or_else(|| self.reject(format!("no {name}")), Ok)
     }
 
     pub(crate) fn frame(&mut self, path: &str) -> Result<Value, Stop> {

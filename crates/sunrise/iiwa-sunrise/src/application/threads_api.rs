@@ -24,10 +24,11 @@ const INTERFERING: [&str; 13] = [
 ];
 
 impl Robotics<'_> {
-    /// Calls a method of a thread, a timer or an executor; `own` is the thread itself, or its task.
+    /// Calls a method of a thread, a timer or an executor; `receiver` is the thread itself, or its
+    /// task.
     pub(crate) fn call_thread(
         &mut self,
-        own: Option<&Value>,
+        receiver: Option<&Value>,
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, Stop> {
@@ -42,7 +43,8 @@ impl Robotics<'_> {
                 | "scheduleWithFixedDelay",
                 _,
             ) => {
-                let given = arguments.iter().find(|own| own.is_task()).or(own).cloned();
+                let given =
+                    arguments.iter().find(|argument| argument.is_task()).or(receiver).cloned();
                 self.start(given.as_ref())
             }
             ("sleep", [amount]) => self.sleep_ms(amount),
@@ -61,7 +63,7 @@ impl Robotics<'_> {
     fn start(&mut self, task: Option<&Value>) -> Result<Value, Stop> {
         let unknown = Unknown {
             reason: "what a thread does".to_owned(),
-            place: self.here.clone(),
+            place: self.place.clone(),
             is_unmodelled_call: false,
         };
         let unknown = Rc::new(unknown);
@@ -72,12 +74,15 @@ impl Robotics<'_> {
         });
         match effects {
             Some(effects) if !effects.moves && call.is_none() => {
-                self.note("a thread is started, which does not move the arm: what it does is left out of the plan");
+                self.note(
+                    "a thread is started, which does not move the arm: what it does is left \
+                    out of the plan",
+                );
                 Ok(Value::Unknown(unknown))
             }
-            _ => self.refuse(format!(
-                "a thread is started{}: what it does to the arm, and when, is not known ahead; call it from the application itself, \
-                 or leave it out",
+            _ => self.reject(format!(
+                "a thread is started{}: what it does to the arm, and when, is not known ahead; \
+                 call it from the application itself, or leave it out",
                 call.unwrap_or_default()
             )),
         }

@@ -45,13 +45,13 @@ impl Robotics<'_> {
             }
             ("setDefaultMotionFrame", [frame]) => {
                 if let Value::Unknown(unknown) = frame {
-                    return self.refuse_unknown("the frame that moves", unknown);
+                    return self.reject_unknown("the frame that moves", unknown);
                 }
                 self.set_default_frame(spot, frame);
                 Ok(Value::Null)
             }
-            ("getName", []) => Ok(Value::text(self.own_name(spot))),
-            ("getPath", []) => Ok(Value::text(self.station.own_path(spot))),
+            ("getName", []) => Ok(Value::text(self.last_name(spot))),
+            ("getPath", []) => Ok(Value::text(self.station.path_in_parent(spot))),
             ("getParent", []) => Ok(self.parent_spot(spot)),
             ("getChildren", []) => {
                 let children = self.children(spot).into_iter().map(RobotValue::Spot);
@@ -94,7 +94,7 @@ impl Robotics<'_> {
             }
             _ if changes(name) => {
                 let object = self.spot_name(spot);
-                self.refuse(format!("`{name}` changes {object}, and its effect is not known"))
+                self.reject(format!("`{name}` changes {object}, and its effect is not known"))
             }
             _ => match self.spot_frame(spot) {
                 Some(frame) => self.frame_method(&frame, name, arguments),
@@ -111,14 +111,14 @@ impl Robotics<'_> {
         arguments: &[Value],
     ) -> Result<Value, Stop> {
         match arguments {
-            [Value::Unknown(unknown), ..] => self.refuse_unknown("this motion", unknown),
+            [Value::Unknown(unknown), ..] => self.reject_unknown("this motion", unknown),
             [Value::Null, ..] => self.throw("NullPointerException", "the motion is null"),
             [motion, ..] => {
                 if let Some(RobotValue::Motion(motion)) = robot_value(motion) {
                     return self.send(mover, &motion, is_async);
                 }
-                let what = motion.kind();
-                self.refuse(format!("{what} is not a motion that can be planned"))
+                let kind = motion.kind();
+                self.reject(format!("{kind} is not a motion that can be planned"))
             }
             [] => self.throw("IllegalArgumentException", "a motion is missing"),
         }
@@ -126,35 +126,35 @@ impl Robotics<'_> {
 
     fn attach(&mut self, spot: Spot, to: &Value, offset: Option<&Value>) -> Result<Value, Stop> {
         let Some(body) = spot.body() else {
-            let what = self.spot_name(spot);
+            let subject = self.spot_name(spot);
             return self
-                .refuse(format!("{what} is attached, and only tools and workpieces can be"));
+                .reject(format!("{subject} is attached, and only tools and workpieces can be"));
         };
         let to = match robot_value(to) {
             Some(RobotValue::Robot) => Spot::Flange,
             Some(RobotValue::Spot(to)) => to,
             _ => match to {
                 Value::Unknown(unknown) => {
-                    return self.refuse_unknown("what this tool is attached to", unknown);
+                    return self.reject_unknown("what this tool is attached to", unknown);
                 }
                 Value::Null => return self.throw("NullPointerException", "it is attached to null"),
                 _ => {
-                    let what = to.kind();
-                    return self.refuse(format!(
-                        "a tool is attached to {what}, which is not a frame of an object"
+                    let kind = to.kind();
+                    return self.reject(format!(
+                        "a tool is attached to {kind}, which is not a frame of an object"
                     ));
                 }
             },
         };
         if self.station.attached_deep(to) > MAX_ATTACHED {
             return self
-                .refuse(format!("more than {MAX_ATTACHED} things are attached to one another"));
+                .reject(format!("more than {MAX_ATTACHED} things are attached to one another"));
         }
         if self.station.hangs_on(to, body) {
-            return self.refuse("a tool is attached to itself, by way of others or not");
+            return self.reject("a tool is attached to itself, by way of others or not");
         }
         // The attached frame of the body coincides with the target frame.
-        let own = match spot {
+        let spot_offset = match spot {
             Spot::Of(_, frame) => {
                 let frame = self.station.bodies.get(body).and_then(|body| body.frames.get(frame));
                 frame.map_or(Frame::default(), |frame| inverse(&frame.frame))
@@ -162,15 +162,15 @@ impl Robotics<'_> {
             _ => Frame::default(),
         };
         let frame = match offset {
-            None => own,
+            None => spot_offset,
             Some(Value::Unknown(unknown)) => {
-                return self.refuse_unknown("how this tool is attached", unknown);
+                return self.reject_unknown("how this tool is attached", unknown);
             }
             Some(offset) => match robot_value(offset) {
                 Some(RobotValue::Transformation(offset)) => {
-                    crate::application::frame_value::then(&offset, &own)
+                    crate::application::frame_value::then(&offset, &spot_offset)
                 }
-                _ => return self.refuse("how this tool is attached is not known"),
+                _ => return self.reject("how this tool is attached is not known"),
             },
         };
         if let Some(body) = self.station.bodies.get_mut(body) {
@@ -202,21 +202,23 @@ impl Robotics<'_> {
             Value::Unknown(unknown) => return Ok(Value::Unknown(unknown.clone())),
             _ => return Ok(self.not_known("getFrame")),
         };
-        let found = match spot {
+        let child = match spot {
             Spot::Root(index) => {
                 let body = self.station.bodies.get(index);
                 body.and_then(|body| body.frame(&path)).map(|frame| Spot::Of(index, frame))
             }
-            Spot::Of(index, own) => {
+            Spot::Of(index, frame_index) => {
                 let body = self.station.bodies.get(index);
-                let above = body.and_then(|body| body.frames.get(own)).map(|own| own.path.clone());
+                let above = body
+                    .and_then(|body| body.frames.get(frame_index))
+                    .map(|frame| frame.path.clone());
                 let below =
                     format!("{}/{}", above.unwrap_or_default(), path.trim_start_matches('/'));
                 body.and_then(|body| body.frame(&below).or_else(|| body.frame(&path)))
                     .map(|frame| Spot::Of(index, frame))
             }
             Spot::Tree(index) => {
-                let above = self.station.tree.get(index).map(|own| own.path.clone());
+                let above = self.station.tree.get(index).map(|tree_frame| tree_frame.path.clone());
                 let below =
                     format!("{}/{}", above.unwrap_or_default(), path.trim_start_matches('/'));
                 self.station.tree_frame(&below).map(Spot::Tree)
@@ -224,14 +226,14 @@ impl Robotics<'_> {
             Spot::World => return self.tree_frame(&path),
             Spot::Flange => None,
         };
-        if let Some(found) = found {
-            return Ok(robot(RobotValue::Spot(found)));
+        if let Some(child) = child {
+            return Ok(robot(RobotValue::Spot(child)));
         }
         self.check_template(spot)?;
         let missing = match spot {
             Spot::Tree(_) => Some(Missing::Frame(format!(
                 "{}/{}",
-                self.station.own_path(spot).trim_end_matches('/'),
+                self.station.path_in_parent(spot).trim_end_matches('/'),
                 path.trim_start_matches('/')
             ))),
             _ => spot.body().and_then(|index| self.station.bodies.get(index)).map(|body| {
@@ -241,22 +243,24 @@ impl Robotics<'_> {
         self.station.missing.replace(missing);
         let known: Vec<String> = match spot.body().and_then(|body| self.station.bodies.get(body)) {
             Some(body) => body.frames.iter().map(|frame| frame.path.clone()).collect(),
-            None => {
-                self.children(spot).into_iter().map(|child| self.station.own_path(child)).collect()
-            }
+            None => self
+                .children(spot)
+                .into_iter()
+                .map(|child| self.station.path_in_parent(child))
+                .collect(),
         };
-        let what = self.spot_name(spot);
-        self.refuse(format!("{what} has no frame `{path}`{}", instead(&path, &known)))
+        let subject = self.spot_name(spot);
+        self.reject(format!("{subject} has no frame `{path}`{}", suggestions(&path, &known)))
     }
 
     /// Returns a frame of the data file, by its path.
     pub(crate) fn tree_frame(&mut self, path: &str) -> Result<Value, Stop> {
-        if let Some(found) = self.station.tree_frame(path) {
-            return Ok(robot(RobotValue::Spot(Spot::Tree(found))));
+        if let Some(tree_frame) = self.station.tree_frame(path) {
+            return Ok(robot(RobotValue::Spot(Spot::Tree(tree_frame))));
         }
         self.station.missing.replace(Some(Missing::Frame(path.to_owned())));
         let known: Vec<String> = self.station.tree.iter().map(|frame| frame.path.clone()).collect();
-        self.refuse(format!("the data file has no frame `{path}`{}", instead(path, &known)))
+        self.reject(format!("the data file has no frame `{path}`{}", suggestions(path, &known)))
     }
 
     /// Creates a tool or workpiece from a template.
@@ -264,21 +268,22 @@ impl Robotics<'_> {
         let name = match name {
             Value::Text(name) => name.to_string(),
             Value::Unknown(unknown) => {
-                return self.refuse_unknown("the name of this template", unknown);
+                return self.reject_unknown("the name of this template", unknown);
             }
-            _ => return self.refuse("a template is named by a string"),
+            _ => return self.reject("a template is named by a string"),
         };
         let Some(template) = self.template(&name).or_else(|| self.given_body(&name, false)) else {
             self.station.missing.replace(Some(Missing::Template(name.clone())));
             let known: Vec<String> =
                 self.station.templates.iter().map(|template| template.name.clone()).collect();
-            return self.refuse(format!(
-                "the data file has no template `{name}`{}; add it there, or answer with its TCP: `[tools]`, `{name}`",
-                instead(&name, &known)
+            return self.reject(format!(
+                "the data file has no template `{name}`{}; add it there, or answer with its TCP: \
+                 `[tools]`, `{name}`",
+                suggestions(&name, &known)
             ));
         };
-        let made = self.station.made(&template);
-        Ok(robot(RobotValue::Spot(Spot::Root(made))))
+        let add_body = self.station.add_body(&template);
+        Ok(robot(RobotValue::Spot(Spot::Root(add_body))))
     }
 
     pub(crate) fn template(&self, name: &str) -> Option<Body> {
@@ -288,16 +293,16 @@ impl Robotics<'_> {
     /// Returns the injected tool or workpiece of a template: the same body each time.
     pub(crate) fn injected_body(&mut self, name: &str, is_workpiece: bool) -> Value {
         let known = self.station.injected.get(name).copied();
-        let made = known.unwrap_or_else(|| {
+        let add_body = known.unwrap_or_else(|| {
             let template = self.template(name).or_else(|| self.given_body(name, is_workpiece));
             let template = template.unwrap_or_else(|| Body {
-                missing: Some(self.here.clone()),
+                missing: Some(self.place.clone()),
                 ..Body::bare(name, is_workpiece)
             });
-            self.station.made(&template)
+            self.station.add_body(&template)
         });
-        self.station.injected.insert(name.to_owned(), made);
-        robot(RobotValue::Spot(Spot::Root(made)))
+        self.station.injected.insert(name.to_owned(), add_body);
+        robot(RobotValue::Spot(Spot::Root(add_body)))
     }
 
     /// Creates a tool or workpiece whose frames are given as answers: its TCP as `Name`, other
@@ -326,16 +331,19 @@ impl Robotics<'_> {
     /// Returns the only tool or workpiece template with this class.
     pub(crate) fn template_of_class(&self, class: &str) -> Option<&str> {
         let has_class = |body: &&Body| {
-            let own = body.class.as_deref().map(|own| own.rsplit('.').next().unwrap_or(own));
-            own == Some(class)
+            let simple_name = body
+                .class
+                .as_deref()
+                .map(|qualified| qualified.rsplit('.').next().unwrap_or(qualified));
+            simple_name == Some(class)
         };
-        let mut found = self.station.templates.iter().filter(has_class);
-        let only = found.next()?;
-        found.next().is_none().then_some(only.name.as_str())
+        let mut templates = self.station.templates.iter().filter(has_class);
+        let only = templates.next()?;
+        templates.next().is_none().then_some(only.name.as_str())
     }
 
-    fn own_name(&self, spot: Spot) -> String {
-        let path = self.station.own_path(spot);
+    fn last_name(&self, spot: Spot) -> String {
+        let path = self.station.path_in_parent(spot);
         path.rsplit('/').next().unwrap_or_default().to_owned()
     }
 
@@ -350,7 +358,7 @@ impl Robotics<'_> {
             Spot::Of(index, _) => Spot::Root(index),
             Spot::Root(index) => {
                 match self.station.bodies.get(index).and_then(|body| body.attached) {
-                    Some((at, _)) => at,
+                    Some((parent, _)) => parent,
                     None => return Value::Null,
                 }
             }
@@ -390,8 +398,8 @@ impl Robotics<'_> {
                 ));
             }
         }
-        let made = self.station.made(&body);
-        robot(RobotValue::Spot(Spot::Root(made)))
+        let add_body = self.station.add_body(&body);
+        robot(RobotValue::Spot(Spot::Root(add_body)))
     }
 
     /// Notes which frame of a tool moves if its template has no default frame: the only one of a
@@ -400,7 +408,7 @@ impl Robotics<'_> {
         let Spot::Root(index) = mover else { return };
         let Some(body) = self.station.bodies.get_mut(index) else { return };
         let (None, Some(first)) = (body.default, body.frames.first()) else { return };
-        let is_plain = body.class.as_deref().is_none_or(|own| own.contains(".geometricModel."));
+        let is_plain = body.class.as_deref().is_none_or(|class| class.contains(".geometricModel."));
         let (name, path) = (&body.name, &first.path);
         let text = if is_plain || body.frames.len() > 1 {
             format!("`{name}` has no default motion frame: its root moves, and none of its frames")
@@ -414,11 +422,11 @@ impl Robotics<'_> {
     }
 
     fn set_default_frame(&mut self, spot: Spot, frame: &Value) {
-        if let (Some(own), Some(RobotValue::Spot(frame))) = (spot.body(), robot_value(frame))
-            && let Some(body) = self.station.bodies.get_mut(own)
+        if let (Some(body_index), Some(RobotValue::Spot(frame))) = (spot.body(), robot_value(frame))
+            && let Some(body) = self.station.bodies.get_mut(body_index)
         {
             body.default = match frame {
-                Spot::Of(of, index) if of == own => Some(index),
+                Spot::Of(owner, index) if owner == body_index => Some(index),
                 _ => None,
             };
         }
@@ -433,14 +441,14 @@ fn changes(name: &str) -> bool {
 }
 
 /// Suggests names in place of `name`.
-fn instead(name: &str, known: &[String]) -> String {
+fn suggestions(name: &str, known: &[String]) -> String {
     /// More names would hide the message.
-    const MOST: usize = 8;
+    const MAX_NAMES: usize = 8;
     if let Some(meant) = meant(name, known.iter().map(String::as_str)) {
         return format!("; did you mean `{meant}`?");
     }
-    let shown: Vec<String> = known.iter().take(MOST).map(|name| format!("`{name}`")).collect();
-    let more = if known.len() > MOST { ", ..." } else { "" };
+    let shown: Vec<String> = known.iter().take(MAX_NAMES).map(|name| format!("`{name}`")).collect();
+    let more = if known.len() > MAX_NAMES { ", ..." } else { "" };
     match shown.len() {
         0 => "; it has none".to_owned(),
         1 => format!("; there is {}", shown.concat()),

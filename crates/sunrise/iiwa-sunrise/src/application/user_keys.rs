@@ -20,7 +20,10 @@ impl Robotics<'_> {
     pub(crate) fn call_user_key_bar(&mut self, name: &str) -> Value {
         match name {
             "addUserKey" | "addDoubleUserKey" => {
-                self.note("a key of the smartPAD is defined: what it does when it is pressed is not evaluated");
+                self.note(
+                    "a key of the smartPAD is defined: what it does when it is pressed is \
+                    not evaluated",
+                );
                 robot(RobotValue::opaque("IUserKey"))
             }
             "publish" => Value::Null,

@@ -63,14 +63,14 @@ impl Robotics<'_> {
         let wanted = EnumConstant::named("TimeUnit", wanted);
         let factor = one(unit).zip(wanted.and_then(|wanted| one(&wanted)));
         match (amount.integer(), factor) {
-            (Some(amount), Some((own, wanted))) if own >= wanted => {
+            (Some(amount), Some((unit_s, wanted))) if unit_s >= wanted => {
                 #[expect(clippy::cast_possible_truncation, reason = "they are whole numbers")]
-                let factor = (own / wanted).round() as i64;
+                let factor = (unit_s / wanted).round() as i64;
                 Value::Long(amount.saturating_mul(factor))
             }
-            (Some(amount), Some((own, wanted))) => {
+            (Some(amount), Some((unit_s, wanted))) => {
                 #[expect(clippy::cast_possible_truncation, reason = "they are whole numbers")]
-                let factor = (wanted / own).round() as i64;
+                let factor = (wanted / unit_s).round() as i64;
                 Value::Long(amount / factor.max(1))
             }
             _ => self.not_known(&format!("TimeUnit.{name}")),
@@ -83,10 +83,10 @@ impl Robotics<'_> {
         seconds: impl Fn(f64) -> Option<f64>,
     ) -> Result<Value, Stop> {
         if let Value::Unknown(unknown) = amount {
-            return self.refuse_unknown("the time of this wait", unknown);
+            return self.reject_unknown("the time of this wait", unknown);
         }
         let Some(seconds) = amount.number().and_then(seconds) else {
-            return self.refuse("the time of this wait is not a number of a unit of time");
+            return self.reject("the time of this wait is not a number of a unit of time");
         };
         if seconds < 0.0 {
             return self.throw("IllegalArgumentException", "timeout value is negative");
@@ -106,21 +106,27 @@ impl Robotics<'_> {
         match name {
             "await" => {
                 if sent < self.station.schedule.sent() && self.station.schedule.is_under_way() {
-                    self.note("a motion is awaited while others follow it: the program is planned as if it awaited them all");
+                    self.note(
+                        "a motion is awaited while others follow it: the program is planned \
+                        as if it awaited them all",
+                    );
                 }
                 self.station.schedule.await_all();
                 Ok(Value::Null)
             }
             "isFinished" => {
                 if self.station.schedule.is_under_way() || self.station.schedule.is_holding() {
-                    self.note("a program that asks whether a motion is over is planned as if it awaited its end");
+                    self.note(
+                        "a program that asks whether a motion is over is planned as if it \
+                        awaited its end",
+                    );
                     self.station.schedule.await_all();
                 }
                 Ok(Value::Boolean(true))
             }
-            "hasFired" if has_break => Ok(self.ask_fired("the break condition of a motion")),
+            "hasFired" if has_break => Ok(self.answer_condition("the break condition of a motion")),
             "getFiredBreakConditionInfo" if has_break => {
-                Ok(match self.ask_fired("the break condition of a motion") {
+                Ok(match self.answer_condition("the break condition of a motion") {
                     Value::Boolean(true) => robot(RobotValue::source(
                         "IFiredConditionInfo",
                         "the state of the robot when a break condition fired",
@@ -130,12 +136,15 @@ impl Robotics<'_> {
                 })
             }
             "hasFired" | "hasError" | "isCanceled" => Ok(Value::Boolean(false)),
-            "cancel" if sent == self.station.schedule.sent() && self.station.schedule.is_holding() => {
+            "cancel"
+                if sent == self.station.schedule.sent() && self.station.schedule.is_holding() =>
+            {
                 self.station.schedule.end_hold();
                 Ok(Value::Null)
             }
-            "cancel" if is_under_way => self.refuse(
-                "a motion is cancelled while it runs: where the arm stops depends on when that is; send a motion that ends there",
+            "cancel" if is_under_way => self.reject(
+                "a motion is cancelled while it runs: where the arm stops depends on when that is; \
+                 send a motion that ends there",
             ),
             "cancel" | "getFiredBreakConditionInfo" | "getErrorMessage" => Ok(Value::Null),
             name => Ok(self.not_known(&format!("IMotionContainer.{name}"))),

@@ -51,8 +51,8 @@ impl AwaitedMotions {
                 return Err(ExportError::NotInSunrise {
                     motion: *wait,
                     key: "overlap",
-                    why: "in Sunrise its time runs from where the first of the motions begins that are sent in one go; \
-                          let it overlap all of them",
+                    why: "in Sunrise its time runs from where the first of the motions begins that \
+                        are sent in one go; let it overlap all of them",
                 });
             }
         }
@@ -80,7 +80,7 @@ impl AwaitedMotions {
 fn blends(motions: &[Motion], index: usize) -> bool {
     let has_blend = match &motions[index] {
         Motion::Ptp(ptp) => ptp.blend.is_some(),
-        Motion::Cartesian(own) => own.blend.is_some(),
+        Motion::Cartesian(cartesian) => cartesian.blend.is_some(),
         Motion::Wait { .. } | Motion::Load(_) => false,
     };
     let mut next = motions.iter().skip(index + 1);

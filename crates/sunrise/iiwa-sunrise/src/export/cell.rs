@@ -73,7 +73,7 @@ impl<'p> WorldTree<'p> {
         let (name, Base { frame, base }) = self.workcell.bases.get_key_value(name)?;
         let parent = base.as_deref().and_then(|base| self.base(base));
         let above = base.as_deref().filter(|_| parent.is_some());
-        let index = self.add(&own_name(name, above), parent, *frame);
+        let index = self.add(&relative_name(name, above), parent, *frame);
         self.nodes[index].base = Some(name);
         self.bases.insert(name, index);
         Some(index)
@@ -85,8 +85,8 @@ impl<'p> WorldTree<'p> {
         target: &Target,
         base: Option<&str>,
     ) -> Result<Option<usize>, NameFault> {
-        let own = target.base.as_deref().or(base).or(self.workcell.base.as_deref());
-        let name = own.unwrap_or(FOOT);
+        let base_name = target.base.as_deref().or(base).or(self.workcell.base.as_deref());
+        let name = base_name.unwrap_or(FOOT);
         self.workcell.base(Some(name))?;
         Ok(if name == FOOT { None } else { self.base(name) })
     }
@@ -99,7 +99,7 @@ impl<'p> WorldTree<'p> {
         };
         let index = self.bases.get(name).filter(is_same).copied().unwrap_or_else(|| {
             let above = parent.and_then(|parent| self.nodes[parent].base);
-            self.add(&own_name(name, above), parent, target.frame)
+            self.add(&relative_name(name, above), parent, target.frame)
         });
         let Target { e1_rad, status, turn, .. } = target;
         self.nodes[index].target = Some((*e1_rad, *status, turn.and_then(Turn::new)));
@@ -156,11 +156,11 @@ impl<'p> WorldTree<'p> {
         Ok(self.path_of(index))
     }
 
-    fn path_of(&self, mut at: Option<usize>) -> String {
+    fn path_of(&self, mut node: Option<usize>) -> String {
         let mut names = Vec::new();
-        while let Some(index) = at {
+        while let Some(index) = node {
             names.push(self.nodes[index].name.as_str());
-            at = self.nodes[index].parent;
+            node = self.nodes[index].parent;
         }
         names.iter().rev().flat_map(|name| ["/", name]).collect()
     }
@@ -236,9 +236,9 @@ impl ExportedTool {
 }
 
 /// Returns the name of a frame relative to its parent, which is called `above` in the program.
-fn own_name(name: &str, above: Option<&str>) -> String {
-    let own = above.and_then(|above| name.strip_prefix(above)?.strip_prefix('/'));
-    plain(own.unwrap_or(name))
+fn relative_name(name: &str, above: Option<&str>) -> String {
+    let relative = above.and_then(|above| name.strip_prefix(above)?.strip_prefix('/'));
+    plain(relative.unwrap_or(name))
 }
 
 /// Replaces slashes and control characters in a name; a slash separates names in a path.

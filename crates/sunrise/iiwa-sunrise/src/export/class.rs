@@ -17,7 +17,7 @@ use super::{
 };
 
 /// Maximum number of statements in a readable method.
-const MOST_STATEMENTS: usize = 60;
+const MAX_STATEMENTS: usize = 60;
 
 /// Indentation of statements.
 const INDENT: usize = 8;
@@ -107,7 +107,7 @@ impl ExportedClass {
                     let blends = awaited.blends(index);
                     let point = point(entry, motion, at_flange, before.as_ref(), tools)?;
                     let base = match entry {
-                        Motion::Cartesian(own) => own.base.as_deref(),
+                        Motion::Cartesian(cartesian) => cartesian.base.as_deref(),
                         _ => None,
                     };
                     let mut expressions = MotionWriter {
@@ -118,7 +118,7 @@ impl ExportedClass {
                     };
                     let written = match entry {
                         Motion::Ptp(ptp) => expressions.ptp(ptp, blends)?,
-                        Motion::Cartesian(own) => expressions.cartesian(own, blends)?,
+                        Motion::Cartesian(cartesian) => expressions.cartesian(cartesian, blends)?,
                         Motion::Wait { .. } | Motion::Load(_) => continue,
                     };
                     let is_async = awaited.is_asynchronous(index);
@@ -130,7 +130,8 @@ impl ExportedClass {
             }
         }
         class.come_into_step();
-        class.tools = tools.used().map(|(name, of)| (name.to_owned(), of.to_owned())).collect();
+        class.tools =
+            tools.used().map(|(name, template)| (name.to_owned(), template.to_owned())).collect();
         if !class.tools.is_empty() {
             class.imports.class("com.kuka.roboticsAPI.geometricModel.Tool");
         }
@@ -151,8 +152,8 @@ impl ExportedClass {
     fn wait(&mut self, motion: MotionIndex, seconds: f64, notices: &mut Vec<ExportNotice>) {
         let (sleep, is_rounded) = SleepCall::of(seconds);
         if is_rounded {
-            let what = format!("{seconds} s is rounded to whole nanoseconds");
-            notices.push(ExportNotice { motion: Some(motion), key: "seconds", what });
+            let message = format!("{seconds} s is rounded to whole nanoseconds");
+            notices.push(ExportNotice { motion: Some(motion), key: "seconds", message });
         }
         let statement = match sleep {
             SleepCall::Milliseconds(ms) => {
@@ -202,7 +203,7 @@ impl ExportedClass {
         });
         let initialize: Vec<String> = create.chain(self.initialize.iter().cloned()).collect();
         self.method(&mut text, "public void initialize()", true, &initialize);
-        let parts: Vec<&[String]> = self.run.chunks(MOST_STATEMENTS).collect();
+        let parts: Vec<&[String]> = self.run.chunks(MAX_STATEMENTS).collect();
         if let [only] = parts.as_slice() {
             self.method(&mut text, "public void run()", true, only);
         } else {
@@ -245,7 +246,7 @@ fn point<'p>(
     tools: &mut ExportedTools<'p>,
 ) -> Result<String, ExportError> {
     let (tool, is_free) = match entry {
-        Motion::Cartesian(own) => (own.tool.as_deref(), false),
+        Motion::Cartesian(cartesian) => (cartesian.tool.as_deref(), false),
         Motion::Ptp(ptp) => (None, !matches!(ptp.blend, Some(Blend::CartMm(_)))),
         Motion::Wait { .. } | Motion::Load(_) => (None, true),
     };
@@ -278,8 +279,8 @@ fn swap<'p>(
     now: &[AtFlange<'p>],
     statements: &mut Vec<String>,
 ) {
-    for gone in was.iter().filter(|it| !now.contains(it)) {
-        statements.push(format!("{:INDENT$}{}.detach();", "", tools.variable(gone)));
+    for detached in was.iter().filter(|it| !now.contains(it)) {
+        statements.push(format!("{:INDENT$}{}.detach();", "", tools.variable(detached)));
     }
     for new in now.iter().filter(|it| !was.contains(it)) {
         let variable = tools.variable(new);

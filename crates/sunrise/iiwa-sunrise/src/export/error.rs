@@ -12,7 +12,7 @@ pub enum ExportError {
     #[error(transparent)]
     Fault(Box<Fault>),
     /// The tool, base or frame does not exist.
-    #[error("{}`{key}`: {fault}", of(.motion.as_ref()))]
+    #[error("{}`{key}`: {fault}", motion_prefix(.motion.as_ref()))]
     Name {
         /// Motion that uses the name; `None` for the whole program.
         motion: Option<MotionIndex>,
@@ -22,7 +22,7 @@ pub enum ExportError {
         fault: NameFault,
     },
     /// Sunrise has no equivalent call, or none with known equivalent behaviour.
-    #[error("{}`{key}`: {why}", of(Some(motion)))]
+    #[error("{}`{key}`: {why}", motion_prefix(Some(motion)))]
     NotInSunrise {
         /// Motion.
         motion: MotionIndex,
@@ -32,16 +32,16 @@ pub enum ExportError {
         why: &'static str,
     },
     /// The class name is not valid.
-    #[error("{found:?} cannot be the name of a class: {why}")]
+    #[error("{name:?} cannot be the name of a class: {why}")]
     ClassName {
         /// Class name.
-        found: String,
+        name: String,
         /// Reason.
         why: &'static str,
     },
 }
 
-fn of(motion: Option<&MotionIndex>) -> String {
+fn motion_prefix(motion: Option<&MotionIndex>) -> String {
     motion.map(|motion| format!("motion {motion}: ")).unwrap_or_default()
 }
 
@@ -59,11 +59,11 @@ pub struct ExportNotice {
     /// Key of the program.
     pub key: &'static str,
     /// Description of the difference.
-    pub what: String,
+    pub message: String,
 }
 
 impl fmt::Display for ExportNotice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}`{}`: {}", of(self.motion.as_ref()), self.key, self.what)
+        write!(f, "{}`{}`: {}", motion_prefix(self.motion.as_ref()), self.key, self.message)
     }
 }

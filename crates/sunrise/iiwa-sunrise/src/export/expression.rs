@@ -87,11 +87,11 @@ impl MotionWriter<'_, '_> {
     }
 
     /// Writes a motion to a frame. Without `blends` the robot stops at its end.
-    pub(super) fn cartesian(&mut self, own: &CartesianMotion, blends: bool) -> WrittenMotion {
+    pub(super) fn cartesian(&mut self, cartesian: &CartesianMotion, blends: bool) -> WrittenMotion {
         let number = self.motion.number();
-        let mut written = match &own.course {
+        let mut written = match &cartesian.course {
             Course::Ptp { to } => {
-                if own.tool_limits != ToolLimits::NONE {
+                if cartesian.tool_limits != ToolLimits::NONE {
                     return self.not_in_sunrise(
                         "frame",
                         "a point-to-point motion has no limits of the TCP in Sunrise",
@@ -110,7 +110,7 @@ impl MotionWriter<'_, '_> {
                 );
             }
             Course::Circ(circ) => self.circ(circ, &format!("P{number}"))?,
-            Course::Spline(segments) if own.is_single_spl() => match segments.as_slice() {
+            Course::Spline(segments) if cartesian.is_single_spl() => match segments.as_slice() {
                 [SplineSegment { course: SegmentCourse::Spl { to }, .. }] => {
                     self.going("spl", to, &format!("P{number}"))?
                 }
@@ -118,14 +118,14 @@ impl MotionWriter<'_, '_> {
             },
             Course::Spline(segments) => self.spline(segments)?,
         };
-        if own.orientation != OrientationType::default() && !own.is_ptp() {
-            self.orientation(&mut written, own.orientation)?;
+        if cartesian.orientation != OrientationType::default() && !cartesian.is_ptp() {
+            self.orientation(&mut written, cartesian.orientation)?;
         }
         for kind in LimitKind::ALL {
-            share(&mut written, kind, &own.shares[kind]);
+            share(&mut written, kind, &cartesian.shares[kind]);
         }
-        tool_limits(&mut written, &own.tool_limits);
-        if let Some(blend) = own.blend.filter(|_| blends) {
+        tool_limits(&mut written, &cartesian.tool_limits);
+        if let Some(blend) = cartesian.blend.filter(|_| blends) {
             self.blend(&mut written, &blend)?;
         }
         Ok(written)
@@ -210,8 +210,8 @@ impl MotionWriter<'_, '_> {
                 SegmentCourse::Lin { to } => self.going("lin", to, &name)?,
                 SegmentCourse::Circ(circ) => self.circ(circ, &name)?,
             };
-            if let Some(own) = segment.orientation {
-                self.orientation(&mut written, own)?;
+            if let Some(orientation) = segment.orientation {
+                self.orientation(&mut written, orientation)?;
             }
             for kind in LimitKind::ALL {
                 if let Some(shares) = &segment.limits.shares[kind] {
@@ -249,7 +249,8 @@ impl MotionWriter<'_, '_> {
             if share > 0.0 && relative < iiwa_program::SUNRISE_REL_MIN {
                 return self.not_in_sunrise(
                     "blend",
-                    "a `fraction` below 0.025 is a stop in Sunrise; leave the blend out, or enlarge it",
+                    "a `fraction` below 0.025 is a stop in Sunrise; leave the blend out, or \
+                     enlarge it",
                 );
             }
             written.set("setBlendingRel", &number(relative));
@@ -290,8 +291,8 @@ fn stated_share(written: &mut MotionCall, kind: LimitKind, shares: &[f64; 7]) {
 }
 
 fn tool_limits(written: &mut MotionCall, limits: &ToolLimits) {
-    let mut set = |of: &ByKind<f64>, name: &str, unit: fn(f64) -> String| {
-        for (kind, limit) in of {
+    let mut set = |limits: &ByKind<f64>, name: &str, unit: fn(f64) -> String| {
+        for (kind, limit) in limits {
             if limit.is_finite() {
                 written.set(&format!("set{name}{}", capital(kind)), &unit(*limit));
             }

@@ -109,7 +109,7 @@ pub(super) fn class_of(name: &str) -> String {
 
 /// Checks a class name that the user has chosen.
 pub(super) fn check_class(name: &str) -> Result<(), ExportError> {
-    let wrong = |why| Err(ExportError::ClassName { found: name.to_owned(), why });
+    let wrong = |why| Err(ExportError::ClassName { name: name.to_owned(), why });
     let mut letters = name.chars();
     if !letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_') {
         return wrong("it must begin with a letter from A to Z");

@@ -27,9 +27,9 @@ pub(super) fn degrees(rad: f64) -> f64 {
 /// Returns the shortest number of degrees, with at most six decimals as people type them, that
 /// converts to the same bits.
 fn short_degrees(rad: f64) -> Option<f64> {
-    const MOST_DECIMALS: i32 = 6;
+    const MAX_DECIMALS: i32 = 6;
     let deg = rad.to_degrees();
-    (0..=MOST_DECIMALS)
+    (0..=MAX_DECIMALS)
         .map(|decimals| {
             let scale = 10_f64.powi(decimals);
             (deg * scale).round() / scale

@@ -20,7 +20,9 @@ impl<'p> AttachedTools<'p> {
         let loads = program.loads();
         let tool_of = |index: usize| match program.motions.get(index)? {
             Motion::Ptp(_) => Some(workcell.tool.as_deref()),
-            Motion::Cartesian(own) => Some(own.tool.as_deref().or(workcell.tool.as_deref())),
+            Motion::Cartesian(cartesian) => {
+                Some(cartesian.tool.as_deref().or(workcell.tool.as_deref()))
+            }
             _ => None,
         };
         // Tool of the next motion, because a load change precedes the motions that use it.
@@ -74,19 +76,19 @@ fn attached<'p>(
     load: Option<Load>,
 ) -> Vec<AtFlange<'p>> {
     let own_load = |name: &str| workcell.tools.get(name).and_then(|tool| tool.load);
-    let of = |tool| AtFlange { tool: Some(tool), load: None };
+    let attached = |tool| AtFlange { tool: Some(tool), load: None };
     let in_use = workcell.tool.as_deref().and_then(tool_part);
     let by_that_in_use = || in_use.filter(|in_use| own_load(in_use) == load);
     match tool {
-        Some(tool) if own_load(tool) == load => vec![of(tool)],
+        Some(tool) if own_load(tool) == load => vec![attached(tool)],
         // A tool without a load, next to the current tool.
         Some(tool) if own_load(tool).is_none() => match by_that_in_use() {
-            Some(in_use) => vec![of(in_use), of(tool)],
+            Some(in_use) => vec![attached(in_use), attached(tool)],
             None => vec![AtFlange { tool: Some(tool), load }],
         },
         Some(tool) => vec![AtFlange { tool: Some(tool), load }],
         None => match (by_that_in_use(), in_use, load) {
-            (Some(in_use), ..) => vec![of(in_use)],
+            (Some(in_use), ..) => vec![attached(in_use)],
             (None, _, None) => Vec::new(),
             (None, tool, load) => vec![AtFlange { tool, load }],
         },

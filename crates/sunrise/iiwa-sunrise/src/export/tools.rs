@@ -26,7 +26,7 @@ pub(super) struct ExportedTools<'p> {
 
 /// Item that is attached to the flange.
 struct UsedTool<'p> {
-    what: AtFlange<'p>,
+    item: AtFlange<'p>,
     variable: String,
     template: String,
 }
@@ -46,24 +46,26 @@ impl<'p> ExportedTools<'p> {
     }
 
     /// Returns the variable of an attached item.
-    pub(super) fn variable(&mut self, what: &AtFlange<'p>) -> String {
-        if let Some(known) = self.used.iter().find(|used| used.what == *what) {
+    pub(super) fn variable(&mut self, item: &AtFlange<'p>) -> String {
+        if let Some(known) = self.used.iter().find(|used| used.item == *item) {
             return known.variable.clone();
         }
-        let own = what.tool.and_then(|tool| self.templates.get(tool));
-        let template = match (own, what.load) {
-            (Some(own), None) => own.name.clone(),
-            (own, _) => {
+        let tool_template = item.tool.and_then(|tool| self.templates.get(tool));
+        let template = match (tool_template, item.load) {
+            (Some(tool_template), None) => tool_template.name.clone(),
+            (tool_template, _) => {
                 // A readable name that differs from the tool's.
-                let name =
-                    own.map_or_else(|| "Load".to_owned(), |own| format!("{}_Loaded", own.name));
+                let name = tool_template.map_or_else(
+                    || "Load".to_owned(),
+                    |tool_template| format!("{}_Loaded", tool_template.name),
+                );
                 let name = free(&name, |name| self.taken.contains(name));
                 self.taken.insert(name.clone());
                 name
             }
         };
         let variable = self.variables.give(&template);
-        let used = UsedTool { what: what.clone(), variable: variable.clone(), template };
+        let used = UsedTool { item: item.clone(), variable: variable.clone(), template };
         self.used.push(used);
         variable
     }
@@ -99,17 +101,17 @@ impl<'p> ExportedTools<'p> {
     /// Returns all templates: the program's tools, and the tools with a load.
     pub(super) fn templates(&self) -> Vec<ToolTemplate> {
         let tool = |name: &str| self.workcell.tools.get(name);
-        let own = self.templates.iter().map(|(name, template)| {
+        let unloaded = self.templates.iter().map(|(name, template)| {
             template.with_load(&template.name, tool(name).and_then(|tool| tool.load))
         });
-        let loaded = self.used.iter().filter(|used| used.what.load.is_some()).map(|used| {
-            let AtFlange { tool, load } = &used.what;
+        let loaded = self.used.iter().filter(|used| used.item.load.is_some()).map(|used| {
+            let AtFlange { tool, load } = &used.item;
             match tool.and_then(|tool| self.templates.get(tool)) {
                 Some(template) => template.with_load(&used.template, *load),
                 None => bare(&used.template, *load),
             }
         });
-        own.chain(loaded).collect()
+        unloaded.chain(loaded).collect()
     }
 }
 

@@ -68,7 +68,8 @@ final class Gate implements Runnable {
         String address = isComplete ? Messages.excerpt(new String(frames.get(3))) : "";
         byte[] key = frames.size() == 7 ? frames.get(6) : new byte[0];
         boolean isAdmitted = isComplete && new String(frames.get(2)).equals(DOMAIN)
-            && new String(frames.get(5)).equals("CURVE") && key.length == KEY_BYTES && security.admits(key);
+            && new String(frames.get(5)).equals("CURVE") && key.length == KEY_BYTES
+            && security.admits(key);
         if (isAdmitted) {
             if (!address.equals(peer)) {
                 log.info("a drive at " + address + " connects");

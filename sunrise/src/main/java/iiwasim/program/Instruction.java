@@ -7,7 +7,8 @@ import java.util.Locale;
 
 /** An instruction of the drive. */
 final class Instruction {
-    enum Type { RUN_MOTIONS, BEGIN, RUN_TRAJECTORY, END_TRAJECTORY, STOP, READ_SENSORS, LIST_IO, GET_IO, SET_IO }
+    enum Type { RUN_MOTIONS, BEGIN, RUN_TRAJECTORY, END_TRAJECTORY, STOP, READ_SENSORS, LIST_IO,
+        GET_IO, SET_IO }
 
     final Type type;
     /** Number of the run; null without a run. */
@@ -18,7 +19,8 @@ final class Instruction {
     /** A value to set. */
     final SignalValue value;
 
-    private Instruction(Type type, BigInteger run, MotionList motions, String name, SignalValue value) {
+    private Instruction(
+        Type type, BigInteger run, MotionList motions, String name, SignalValue value) {
         this.type = type;
         this.run = run;
         this.motions = motions;
@@ -66,7 +68,8 @@ final class Instruction {
                 case GET_IO:
                     return new Instruction(type, null, null, keys.text("name"), null);
                 case SET_IO:
-                    return new Instruction(type, null, null, keys.text("name"), SignalValue.read(keys, "value"));
+                    return new Instruction(
+                        type, null, null, keys.text("name"), SignalValue.read(keys, "value"));
                 default:
                     return new Instruction(type, null, null, null, null);
             }

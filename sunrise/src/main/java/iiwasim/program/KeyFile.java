@@ -13,7 +13,8 @@ import java.util.Arrays;
  * "..."} and, in a secret key file, {@code secret-key = "..."}, of 40 Z85 characters each.
  */
 public final class KeyFile {
-    private static final String DIGITS = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
+    private static final String DIGITS =
+        "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
     private static final int CHARS = 40;
 
     private final byte[] publicKey;
@@ -50,14 +51,16 @@ public final class KeyFile {
             lines.close();
         }
         if (publicKey == null) {
-            throw new IOException(name + " is not a key file: it has no line `public-key = \"...\"`");
+            throw new IOException(
+                name + " is not a key file: it has no line `public-key = \"...\"`");
         }
         return new KeyFile(publicKey, secretKey);
     }
 
     /** Decodes a key. Messages do not show the key, as it may be secret. */
     private static byte[] decode(String quoted, String name, int line) throws IOException {
-        boolean isQuoted = quoted.length() == CHARS + 2 && quoted.startsWith("\"") && quoted.endsWith("\"");
+        boolean isQuoted = quoted.length() == CHARS + 2 && quoted.startsWith("\"")
+            && quoted.endsWith("\"");
         String text = isQuoted ? quoted.substring(1, CHARS + 1) : "";
         for (int i = 0; i < text.length(); i++) {
             isQuoted &= DIGITS.indexOf(text.charAt(i)) >= 0;

@@ -34,7 +34,8 @@ final class Keys {
     Keys(JsonValue value, String where) throws Refusal {
         this.where = where;
         if (!value.isObject()) {
-            throw wrong((where.length() == 0 ? "the instruction has to be" : "it has to be") + " an object, not " + kind(value));
+            throw wrong((where.length() == 0 ? "the instruction has to be" : "it has to be")
+                + " an object, not " + kind(value));
         }
         object = value.asObject();
         Set<String> names = new HashSet<String>();
@@ -55,7 +56,8 @@ final class Keys {
             if (at >= 0) {
                 what = what.substring(0, at);
             }
-            throw Refusal.bad("malformed JSON: " + what + ", at line " + error.getLocation().line + ", column "
+            throw Refusal.bad(
+                "malformed JSON: " + what + ", at line " + error.getLocation().line + ", column "
                 + error.getLocation().column);
         } catch (UnsupportedOperationException error) {
             throw Refusal.bad("malformed JSON, at line 1, column 1");
@@ -117,7 +119,8 @@ final class Keys {
         JsonValue value = value(name);
         String text = value.isNumber() ? value.toString() : "";
         if (!text.matches("0|[1-9][0-9]{0,19}") || new BigInteger(text).compareTo(MAX_U64) > 0) {
-            throw wrong("`" + name + "` has to be a whole number from 0 to 2^64 - 1, not " + kind(value));
+            throw wrong("`" + name + "` has to be a whole number from 0 to 2^64 - 1, not "
+                + kind(value));
         }
         return new BigInteger(text);
     }
@@ -172,7 +175,8 @@ final class Keys {
 
     /** The keys of an object. */
     Keys object(String name) throws Refusal {
-        return new Keys(value(name), where.length() == 0 ? "`" + name + "`" : where + ": `" + name + "`");
+        return new Keys(
+            value(name), where.length() == 0 ? "`" + name + "`" : where + ": `" + name + "`");
     }
 
     /** The names in an object of objects; empty if the key is absent. */
@@ -212,7 +216,8 @@ final class Keys {
     /** A whole number as JSON. */
     static JsonValue number(BigInteger number) {
         // The library does not support integers beyond signed 64 bits.
-        return number.bitLength() < 64 ? Json.value(number.longValue()) : Json.parse(number.toString());
+        return number.bitLength() < 64 ? Json.value(number.longValue())
+            : Json.parse(number.toString());
     }
 
     /** Type of a value, for messages. */

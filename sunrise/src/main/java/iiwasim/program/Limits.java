@@ -8,7 +8,8 @@ public final class Limits {
     private static final double MIN_SHARE = 1e-6;
 
     private static final String[] SHARES = {"velocity_rel", "acceleration_rel", "jerk_rel"};
-    private static final String[] TOOL = {"cart_velocity_mm_s", "cart_acceleration_mm_s2", "cart_jerk_mm_s3",
+    private static final String[] TOOL =
+        {"cart_velocity_mm_s", "cart_acceleration_mm_s2", "cart_jerk_mm_s3",
         "orientation_velocity_deg_s", "orientation_acceleration_deg_s2", "orientation_jerk_deg_s3"};
     private static final double[] MIN_TOOL = {1e-3, 1, 1e-3, 1e-3, 0.1, 1e-3};
 
@@ -40,7 +41,8 @@ public final class Limits {
         for (int i = 0; i < TOOL.length; i++) {
             Double limit = keys.numberIfGiven(TOOL[i]);
             if (limit != null && limit < MIN_TOOL[i]) {
-                throw keys.wrong("`" + TOOL[i] + "` is " + limit + "; it has to be at least " + MIN_TOOL[i]);
+                throw keys.wrong(
+                    "`" + TOOL[i] + "` is " + limit + "; it has to be at least " + MIN_TOOL[i]);
             }
             limits.tool[i] = limit == null || i < 3 ? limit : Double.valueOf(Math.toRadians(limit));
         }
@@ -56,7 +58,8 @@ public final class Limits {
         }
         for (double share : shares) {
             if (!(share >= MIN_SHARE && share <= 1)) {
-                throw keys.wrong("`" + name + "` is " + share + "; it has to be above 0 and at most 1");
+                throw keys.wrong(
+                    "`" + name + "` is " + share + "; it has to be above 0 and at most 1");
             }
         }
         return shares;

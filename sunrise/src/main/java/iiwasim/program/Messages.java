@@ -46,7 +46,8 @@ public final class Messages {
     /** The message of an exception, also of one without a message. */
     public static String of(Throwable error) {
         String message = error.getMessage();
-        return message == null || message.length() == 0 ? error.getClass().getSimpleName() : message;
+        return message == null || message.length() == 0 ? error.getClass().getSimpleName()
+            : message;
     }
 
     /** An angle in rad, in degrees with two decimals. */

@@ -9,7 +9,8 @@ import java.util.Locale;
 
 /** Reads motions, and checks everything that can be checked without a robot. */
 final class MotionReader {
-    private static final String[] TYPES = {"ptp", "lin", "lin_rel", "circ", "spline", "spl", "wait", "load"};
+    private static final String[] TYPES =
+        {"ptp", "lin", "lin_rel", "circ", "spline", "spl", "wait", "load"};
     private static final String[] ORIENTATIONS = {"variable", "constant", "ori_joint", "ignore"};
     /** A day: longer waits are refused as mistakes. */
     private static final double MAX_WAIT_S = 86400;
@@ -36,7 +37,8 @@ final class MotionReader {
         for (int i = 0; i + 1 < motions.size(); i++) {
             Blend blend = motions.get(i).blend;
             Motion.Type next = motions.get(i + 1).type;
-            if (blend != null && blend.hasEffect() && (next == Motion.Type.WAIT || next == Motion.Type.LOAD)) {
+            if (blend != null && blend.hasEffect()
+                && (next == Motion.Type.WAIT || next == Motion.Type.LOAD)) {
                 throw Refusal.bad("motion " + (i + 1) + " is followed by a "
                     + (next == Motion.Type.WAIT ? "wait" : "change of the load")
                     + " and has nothing to blend into; remove its `blend`");
@@ -48,13 +50,16 @@ final class MotionReader {
     private Motion motion(Keys keys, int number) throws Refusal {
         String name = keys.text("type");
         if (!Arrays.asList(TYPES).contains(name)) {
-            throw keys.wrong("unknown type `" + Messages.excerpt(name) + "`; known are " + Keys.join(TYPES));
+            throw keys.wrong(
+                "unknown type `" + Messages.excerpt(name) + "`; known are " + Keys.join(TYPES));
         }
         Motion motion = new Motion(number, Motion.Type.valueOf(name.toUpperCase(Locale.ROOT)));
         switch (motion.type) {
             case WAIT:
-                if (keys.isGiven("overlap_motions") || keys.isGiven("overlap") && keys.value("overlap").isTrue()) {
-                    throw keys.wrong("`overlap`: this robot program runs no waits during which the arm moves; "
+                if (keys.isGiven("overlap_motions") || keys.isGiven("overlap")
+                    && keys.value("overlap").isTrue()) {
+                    throw keys.wrong(
+                        "`overlap`: this robot program runs no waits during which the arm moves; "
                         + "plan the motions and run their trajectory");
                 }
                 if (keys.isGiven("overlap") && !keys.value("overlap").isFalse()) {
@@ -62,7 +67,8 @@ final class MotionReader {
                 }
                 motion.seconds = keys.number("seconds");
                 if (!(motion.seconds >= 0 && motion.seconds <= MAX_WAIT_S)) {
-                    throw keys.wrong("`seconds` is " + motion.seconds + "; it has to be from 0 to " + MAX_WAIT_S);
+                    throw keys.wrong("`seconds` is " + motion.seconds + "; it has to be from 0 to "
+                        + MAX_WAIT_S);
                 }
                 break;
             case LOAD:
@@ -91,7 +97,8 @@ final class MotionReader {
             motion.blocking = keys.value("blocking").isTrue();
         }
         if (motion.blocking && motion.blend != null && motion.blend.hasEffect()) {
-            throw keys.wrong("it is blocking and cannot be blended: remove its `blend`, or `blocking`");
+            throw keys.wrong(
+                "it is blocking and cannot be blended: remove its `blend`, or `blocking`");
         }
     }
 
@@ -122,7 +129,8 @@ final class MotionReader {
         motion.orientation = orientation(keys);
         boolean isSpline = motion.type == Motion.Type.SPLINE || motion.type == Motion.Type.SPL;
         if (isSpline && motion.orientation == Motion.Orientation.ORI_JOINT) {
-            throw keys.wrong("`orientation` `ori_joint` is for lin, lin_rel and circ, not for splines");
+            throw keys.wrong(
+                "`orientation` `ori_joint` is for lin, lin_rel and circ, not for splines");
         }
         if (!isSpline && motion.orientation == Motion.Orientation.IGNORE) {
             throw keys.wrong("`orientation` `ignore` is for the segments of a spline");
@@ -132,7 +140,8 @@ final class MotionReader {
                 Keys offset = keys.object("offset");
                 motion.offset = Workcell.pose(offset, false);
                 offset.refuseOthers();
-                boolean isTcp = !keys.isGiven("in") || keys.value("in").isString() && keys.text("in").equals("tcp");
+                boolean isTcp = !keys.isGiven("in") || keys.value("in").isString()
+                    && keys.text("in").equals("tcp");
                 motion.in = isTcp ? null : workcell.target(keys, "in", base);
                 Double e1Deg = keys.numberIfGiven("e1_deg");
                 motion.e1Rad = e1Deg == null ? null : Double.valueOf(Math.toRadians(e1Deg));
@@ -162,7 +171,8 @@ final class MotionReader {
     }
 
     private static Motion.Orientation orientation(Keys keys) throws Refusal {
-        return Motion.Orientation.valueOf(keys.word("orientation", ORIENTATIONS).toUpperCase(Locale.ROOT));
+        return Motion.Orientation.valueOf(
+            keys.word("orientation", ORIENTATIONS).toUpperCase(Locale.ROOT));
     }
 
     private void readCircle(Motion motion, Keys keys, String base) throws Refusal {
@@ -170,21 +180,24 @@ final class MotionReader {
         motion.frame = workcell.target(keys, "frame", base);
         Double angle = keys.numberIfGiven("circ_angle_deg");
         if (angle != null && (angle == 0 || Math.abs(angle) > 360)) {
-            throw keys.wrong("`circ_angle_deg` is " + angle + "; it has to be from -360 to 360, and not 0");
+            throw keys.wrong(
+                "`circ_angle_deg` is " + angle + "; it has to be from -360 to 360, and not 0");
         }
         motion.circAngleRad = angle == null ? null : Double.valueOf(Math.toRadians(angle));
         motion.turnsWithPath = keys.word("orientation_reference", "base", "path").equals("path");
         motion.auxOrientation = keys.word("aux_orientation", "consider", "interpolate", "ignore");
         motion.endOrientation = keys.word("end_orientation", "interpolate", "extrapolate");
         if (angle != null && motion.auxOrientation.equals("interpolate")) {
-            throw keys.wrong("`aux_orientation` cannot be `interpolate` on a circle with `circ_angle_deg`");
+            throw keys.wrong(
+                "`aux_orientation` cannot be `interpolate` on a circle with `circ_angle_deg`");
         }
     }
 
     private List<Motion> segments(Motion spline, Keys keys, String base) throws Refusal {
         List<JsonValue> values = keys.list("segments");
         if (values.isEmpty() || values.size() > MAX_SEGMENTS) {
-            throw keys.wrong("`segments` has " + values.size() + " values; it has to have from 1 to " + MAX_SEGMENTS);
+            throw keys.wrong("`segments` has " + values.size()
+                + " values; it has to have from 1 to " + MAX_SEGMENTS);
         }
         List<Motion> segments = new ArrayList<Motion>(values.size());
         for (int i = 0; i < values.size(); i++) {
@@ -197,7 +210,8 @@ final class MotionReader {
     private Motion segment(Motion spline, Keys keys, String base) throws Refusal {
         keys.value("type");
         String type = keys.word("type", "spl", "lin", "circ");
-        Motion segment = new Motion(spline.number, Motion.Type.valueOf(type.toUpperCase(Locale.ROOT)));
+        Motion segment =
+            new Motion(spline.number, Motion.Type.valueOf(type.toUpperCase(Locale.ROOT)));
         if (keys.isGiven("blend")) {
             throw keys.wrong("a segment cannot have a `blend`: blend the whole spline");
         }
@@ -205,7 +219,8 @@ final class MotionReader {
         segment.limits = Limits.ofPath(keys);
         segment.orientation = keys.isGiven("orientation") ? orientation(keys) : null;
         if (segment.orientation == Motion.Orientation.ORI_JOINT) {
-            throw keys.wrong("`orientation` `ori_joint` is for lin, lin_rel and circ, not for splines");
+            throw keys.wrong(
+                "`orientation` `ori_joint` is for lin, lin_rel and circ, not for splines");
         }
         if (segment.type == Motion.Type.CIRC) {
             readCircle(segment, keys, base);
@@ -214,10 +229,12 @@ final class MotionReader {
             // Keys of circular motions are allowed with their default values.
             boolean isPlain = !keys.isGiven("aux") && !keys.isGiven("circ_angle_deg")
                 && keys.word("orientation_reference", "base", "path").equals("base")
-                && keys.word("aux_orientation", "consider", "interpolate", "ignore").equals("consider")
+                && keys.word("aux_orientation", "consider", "interpolate", "ignore")
+                .equals("consider")
                 && keys.word("end_orientation", "interpolate", "extrapolate").equals("interpolate");
             if (!isPlain) {
-                throw keys.wrong("`aux`, `circ_angle_deg`, `orientation_reference`, `aux_orientation` and"
+                throw keys.wrong(
+                    "`aux`, `circ_angle_deg`, `orientation_reference`, `aux_orientation` and"
                     + " `end_orientation` are for segments of `type` `circ`");
             }
         }

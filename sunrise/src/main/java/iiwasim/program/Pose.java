@@ -85,7 +85,8 @@ public final class Pose {
     /** The angle between two orientations, in rad. */
     public double angleRad(Pose other) {
         double[][] r = inverse().then(other).rotation;
-        double sine = 0.5 * Math.sqrt(square(r[2][1] - r[1][2]) + square(r[0][2] - r[2][0]) + square(r[1][0] - r[0][1]));
+        double sine = 0.5 * Math.sqrt(
+            square(r[2][1] - r[1][2]) + square(r[0][2] - r[2][0]) + square(r[1][0] - r[0][1]));
         return Math.atan2(sine, 0.5 * (r[0][0] + r[1][1] + r[2][2] - 1));
     }
 

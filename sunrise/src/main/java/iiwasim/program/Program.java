@@ -91,7 +91,8 @@ public final class Program {
         } catch (RuntimeException error) {
             // An exception of the controller must not end the program, which brings the robot to a
             // stop.
-            return refused(seq, Refusal.robot("the robot program has failed: " + Messages.of(error)));
+            return refused(
+                seq, Refusal.robot("the robot program has failed: " + Messages.of(error)));
         }
     }
 
@@ -163,7 +164,8 @@ public final class Program {
      * Begins a run. The lock hides intermediate states: a refusal by the robot, or an immediate
      * end, is published as one change.
      */
-    private synchronized void begin(State kind, BigInteger started, Backend.Plan what) throws Refusal {
+    private synchronized void begin(State kind, BigInteger started, Backend.Plan what)
+        throws Refusal {
         state = kind;
         run = started;
         boolean isBegun = false;
@@ -252,11 +254,13 @@ public final class Program {
     }
 
     private static String refused(BigInteger seq, Refusal refusal) {
-        return new JsonObject().add("seq", seq == null ? Json.NULL : Keys.number(seq)).add("error", json(refusal))
+        return new JsonObject().add("seq", seq == null ? Json.NULL : Keys.number(seq))
+            .add("error", json(refusal))
             .toString();
     }
 
     static JsonObject json(Refusal refusal) {
-        return new JsonObject().add("code", refusal.code().text()).add("message", refusal.getMessage());
+        return new JsonObject().add("code", refusal.code().text())
+            .add("message", refusal.getMessage());
     }
 }

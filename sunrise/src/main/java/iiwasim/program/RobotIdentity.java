@@ -17,7 +17,8 @@ public final class RobotIdentity {
     private final double forearmMm;
     private final double flangeMm;
 
-    private RobotIdentity(String model, double baseMm, double upperArmMm, double forearmMm, double flangeMm) {
+    private RobotIdentity(
+        String model, double baseMm, double upperArmMm, double forearmMm, double flangeMm) {
         this.model = model;
         this.baseMm = baseMm;
         this.upperArmMm = upperArmMm;
@@ -38,7 +39,8 @@ public final class RobotIdentity {
 
     /** The identity in JSON, as in the state. */
     public JsonObject json() {
-        JsonObject lengths = new JsonObject().add("base", baseMm).add("upper_arm", upperArmMm).add("forearm", forearmMm)
+        JsonObject lengths = new JsonObject().add("base", baseMm).add("upper_arm", upperArmMm)
+            .add("forearm", forearmMm)
             .add("flange", flangeMm);
         return new JsonObject().add("model", model).add("lengths_mm", lengths);
     }

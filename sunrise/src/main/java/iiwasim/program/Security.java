@@ -27,11 +27,13 @@ public final class Security {
      */
     public static Security withKeys(KeyFile own, Collection<KeyFile> allowed) throws IOException {
         if (own.secretKey() == null) {
-            throw new IOException("the program's own key file has no secret key: give the .key file");
+            throw new IOException(
+                "the program's own key file has no secret key: give the .key file");
         }
         for (KeyFile key : allowed) {
             if (key.secretKey() != null) {
-                throw new IOException("a key file of a drive contains a secret key, which only its owner should have:"
+                throw new IOException(
+                    "a key file of a drive contains a secret key, which only its owner should have:"
                     + " give the .pub file");
             }
         }

@@ -61,7 +61,8 @@ public final class Server {
      * @param states the address for states
      * @throws IOException an address requires keys, or cannot be bound within ten seconds
      */
-    public Server(Program program, String instructions, String states, Security security, Log log) throws IOException {
+    public Server(Program program, String instructions, String states, Security security, Log log)
+        throws IOException {
         this.program = program;
         this.log = log;
         boolean isStarted = false;
@@ -79,7 +80,8 @@ public final class Server {
                     serve(rep);
                 }
             });
-            final ZMQ.Socket dealer = bound(ZMQ.DEALER, states, security, MAX_ACKNOWLEDGEMENT_BYTES);
+            final ZMQ.Socket dealer =
+                bound(ZMQ.DEALER, states, security, MAX_ACKNOWLEDGEMENT_BYTES);
             start("iiwasim states", new Runnable() {
                 @Override
                 public void run() {
@@ -131,12 +133,14 @@ public final class Server {
 
     private static void checkAddress(String address, Security security) throws IOException {
         if (!security.hasKeys() && !address.startsWith("tcp://127.0.0.1:")) {
-            throw new IOException(address + " can be reached from other machines, which requires keys;"
+            throw new IOException(
+                address + " can be reached from other machines, which requires keys;"
                 + " without keys, only tcp://127.0.0.1 is served");
         }
     }
 
-    private ZMQ.Socket bound(int type, String address, Security security, long maxBytes) throws IOException {
+    private ZMQ.Socket bound(int type, String address, Security security, long maxBytes)
+        throws IOException {
         ZMQ.Socket socket = context.socket(type);
         boolean isBound = false;
         try {

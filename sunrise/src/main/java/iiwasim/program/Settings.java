@@ -36,7 +36,8 @@ public final class Settings {
         public final double min;
         public final double max;
 
-        DeclaredSignal(String group, String name, boolean isOutput, SignalType type, int bits, double min, double max) {
+        DeclaredSignal(String group, String name, boolean isOutput, SignalType type, int bits,
+            double min, double max) {
             this.group = group;
             this.name = name;
             this.isOutput = isOutput;
@@ -104,7 +105,8 @@ public final class Settings {
     private void readLine(String content, int number) throws IOException {
         int equals = content.indexOf('=');
         if (equals < 0) {
-            throw wrong(number, "`" + Messages.excerpt(content) + "` is not of the form `name = value`");
+            throw wrong(number, "`" + Messages.excerpt(content)
+                + "` is not of the form `name = value`");
         }
         String name = content.substring(0, equals).trim();
         String value = content.substring(equals + 1).trim();
@@ -129,14 +131,16 @@ public final class Settings {
         String[] path = key.split("\\.", 3);
         String[] words = value.split("\\s+");
         if (path.length < 3 || path[1].length() == 0 || path[2].length() == 0) {
-            throw wrong(number, "`" + Messages.excerpt(key) + "` is not of the form `input.GROUP.NAME`");
+            throw wrong(number, "`" + Messages.excerpt(key)
+                + "` is not of the form `input.GROUP.NAME`");
         }
         boolean isOutput = path[0].equals("output");
         List<String> types = Arrays.asList("boolean", "integer", "unsigned", "analog");
         int index = types.indexOf(words[0]);
         boolean hasRange = isOutput && index == 3;
         if (index < 0 || words.length != (index == 0 ? 1 : hasRange ? 4 : 2)) {
-            throw wrong(number, "`" + Messages.excerpt(value) + "` is not a type; it is `boolean`, `integer BITS`,"
+            throw wrong(number, "`" + Messages.excerpt(value)
+                + "` is not a type; it is `boolean`, `integer BITS`,"
                 + " `unsigned BITS`, `analog BITS`, or of an output `analog BITS LEAST GREATEST`");
         }
         try {
@@ -146,9 +150,11 @@ public final class Settings {
             if (bits < 1 || bits > 64 || hasRange && !(min < max)) {
                 throw wrong(number, "bits are from 1 to 64, and a range goes upwards");
             }
-            return new DeclaredSignal(path[1], path[2], isOutput, SignalType.values()[index], bits, min, max);
+            return new DeclaredSignal(
+                path[1], path[2], isOutput, SignalType.values()[index], bits, min, max);
         } catch (NumberFormatException error) {
-            throw wrong(number, "`" + Messages.excerpt(value) + "` has something that is not a number");
+            throw wrong(number, "`" + Messages.excerpt(value)
+                + "` has something that is not a number");
         }
     }
 
@@ -165,26 +171,31 @@ public final class Settings {
         if (friPeriodMs() > 10) {
             int product = friPeriodMs() * friReceiveMultiplier();
             if (product > 100) {
-                throw wrong("fri_period_ms", "an answer is due at least every 100 ms: period times multiplier");
+                throw wrong("fri_period_ms",
+                    "an answer is due at least every 100 ms: period times multiplier");
             }
         }
         if ((text("robot").length() == 0) != (text("flange_mm").length() == 0)) {
-            throw wrong(text("robot").length() == 0 ? "flange_mm" : "robot", "`robot` and `flange_mm` belong together");
+            throw wrong(text("robot").length() == 0 ? "flange_mm" : "robot",
+                "`robot` and `flange_mm` belong together");
         }
         if (text("robot").length() > 0) {
             if (RobotIdentity.of(text("robot"), 0) == null) {
-                throw wrong("robot", "`robot` is `" + Messages.excerpt(text("robot")) + "`; it has to be " + RobotIdentity.MODELS);
+                throw wrong("robot", "`robot` is `" + Messages.excerpt(text("robot"))
+                    + "`; it has to be " + RobotIdentity.MODELS);
             }
             checkFlange();
         }
         for (String name : new String[] {"address", "fri_client"}) {
-            if (!isAddress(text(name)) && !(name.equals("fri_client") && text(name).equals(DRIVE))) {
+            if (!isAddress(text(name))
+                && !(name.equals("fri_client") && text(name).equals(DRIVE))) {
                 throw wrong(name, "`" + name + "` is `" + Messages.excerpt(text(name))
                     + "`; it has to be an IPv4 address such as 172.31.1.100");
             }
         }
         if ((text("key").length() == 0) != (text("allow").length() == 0)) {
-            throw wrong(text("key").length() == 0 ? "allow" : "key", "`key` and `allow` belong together");
+            throw wrong(text("key").length() == 0 ? "allow" : "key",
+                "`key` and `allow` belong together");
         }
     }
 
@@ -198,7 +209,8 @@ public final class Settings {
             // Reported below.
         }
         throw wrong("flange_mm", "`flange_mm` is `" + Messages.excerpt(text("flange_mm"))
-            + "`; it has to be a length in mm, such as 126 for the plain flange or 152 for the media flange Touch");
+            + "`; it has to be a length in mm, such as 126 for the plain flange or 152 for the "
+            + "media flange Touch");
     }
 
     /**
@@ -226,7 +238,8 @@ public final class Settings {
         } catch (NumberFormatException error) {
             // Reported below.
         }
-        throw wrong(name, "`" + name + "` is `" + Messages.excerpt(text(name)) + "`; it has to be a whole number from " + min
+        throw wrong(name, "`" + name + "` is `" + Messages.excerpt(text(name))
+            + "`; it has to be a whole number from " + min
             + " to " + max);
     }
 
@@ -268,7 +281,8 @@ public final class Settings {
     /** Files with the public keys of drives. */
     public List<String> allowedKeyFiles() {
         String files = text("allow");
-        return files.length() == 0 ? Collections.<String>emptyList() : Arrays.asList(files.split("\\s*,\\s*"));
+        return files.length() == 0 ? Collections.<String>emptyList()
+            : Arrays.asList(files.split("\\s*,\\s*"));
     }
 
     /** Address of the FRI client; {@link #DRIVE} for the address of the connected drive. */
@@ -305,7 +319,8 @@ public final class Settings {
 
     /** Robot at the cabinet, from the settings; null if not set. */
     public RobotIdentity robot() {
-        return text("robot").length() == 0 ? null : RobotIdentity.of(text("robot"), Double.parseDouble(text("flange_mm")));
+        return text("robot").length() == 0 ? null
+            : RobotIdentity.of(text("robot"), Double.parseDouble(text("flange_mm")));
     }
 
     public List<DeclaredSignal> signals() {
@@ -316,9 +331,12 @@ public final class Settings {
     @Override
     public String toString() {
         String listens = address() + ":" + instructionsPort() + " and :" + statePort();
-        String keys = keyFile() == null ? "no keys, this machine only" : "keys of " + allowedKeyFiles();
-        return "listens at " + listens + " (" + keys + "); FRI to " + friClient() + ":" + friPort() + " every "
+        String keys = keyFile() == null ? "no keys, this machine only" : "keys of "
+            + allowedKeyFiles();
+        return "listens at " + listens + " (" + keys + "); FRI to " + friClient() + ":" + friPort()
+            + " every "
             + friPeriodMs() + " ms, an answer every " + friReceiveMultiplier() + "; tool "
-            + (tool() == null ? "none" : tool()) + "; robot " + (robot() == null ? "not stated" : robot()) + "; " + signals.size() + " signals";
+            + (tool() == null ? "none" : tool()) + "; robot "
+            + (robot() == null ? "not stated" : robot()) + "; " + signals.size() + " signals";
     }
 }

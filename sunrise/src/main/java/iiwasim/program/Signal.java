@@ -37,7 +37,8 @@ public final class Signal {
             }
             known.append(known.length() == 0 ? "" : ", ").append(signal.name);
         }
-        throw Refusal.bad("unknown input or output `" + Messages.excerpt(name) + "`; known names are "
+        throw Refusal.bad(
+            "unknown input or output `" + Messages.excerpt(name) + "`; known names are "
             + (known.length() == 0 ? "none" : known));
     }
 
@@ -65,6 +66,7 @@ public final class Signal {
     }
 
     JsonObject json() {
-        return new JsonObject().add("name", name).add("direction", isOutput ? "output" : "input").add("value", value.json());
+        return new JsonObject().add("name", name).add("direction", isOutput ? "output" : "input")
+            .add("value", value.json());
     }
 }

@@ -33,7 +33,8 @@ public final class SignalValue {
     static SignalValue read(Keys keys, String name) throws Refusal {
         JsonValue value = keys.value(name);
         if (!value.isBoolean() && !value.isNumber()) {
-            throw keys.wrong("`" + name + "` has to be true, false or a number, not " + Keys.kind(value));
+            throw keys.wrong(
+                "`" + name + "` has to be true, false or a number, not " + Keys.kind(value));
         }
         if (value.isNumber()) {
             keys.number(name);
@@ -48,7 +49,8 @@ public final class SignalValue {
         }
         if (value.toString().matches("0|[1-9][0-9]{0,19}")) {
             BigInteger whole = new BigInteger(value.toString());
-            return whole.bitLength() <= 64 ? new SignalValue(null, whole, value.asDouble()) : of(value.asDouble());
+            return whole.bitLength() <= 64 ? new SignalValue(null, whole, value.asDouble())
+                : of(value.asDouble());
         }
         return of(value.asDouble());
     }

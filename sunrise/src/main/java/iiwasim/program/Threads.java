@@ -14,7 +14,8 @@ public final class Threads {
     public static boolean join(Thread thread, long milliseconds) {
         boolean wasInterrupted = Thread.interrupted();
         long until = System.nanoTime() + milliseconds * 1000000;
-        for (long left = milliseconds; left > 0 && thread.isAlive(); left = (until - System.nanoTime()) / 1000000) {
+        for (long left = milliseconds; left > 0
+            && thread.isAlive(); left = (until - System.nanoTime()) / 1000000) {
             try {
                 thread.join(left);
             } catch (InterruptedException interrupt) {

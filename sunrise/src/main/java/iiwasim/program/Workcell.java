@@ -50,7 +50,8 @@ final class Workcell {
         for (String name : keys.namesIn("tools")) {
             check("tool", name, Tcp.FLANGE);
             if (name.indexOf('/') >= 0) {
-                throw Refusal.bad("the tool `" + Messages.excerpt(name) + "`: a tool's name has no `/`, which divides tool and tip");
+                throw Refusal.bad("the tool `" + Messages.excerpt(name)
+                    + "`: a tool's name has no `/`, which divides tool and tip");
             }
             readTool(name, keys.object("tools").object(name));
         }
@@ -179,7 +180,8 @@ final class Workcell {
         int slash = wanted.indexOf('/');
         String ofTool = slash < 0 ? wanted : wanted.substring(0, slash);
         String tip = slash < 0 ? null : wanted.substring(slash + 1);
-        Pose pose = tip == null ? tools.get(ofTool) : tips.containsKey(ofTool) ? tips.get(ofTool).get(tip) : null;
+        Pose pose = tip == null ? tools.get(ofTool) : tips.containsKey(ofTool) ? tips.get(ofTool)
+            .get(tip) : null;
         if (pose == null) {
             throw unknown("tool", wanted, tools.keySet());
         }
@@ -201,7 +203,8 @@ final class Workcell {
             pose = placed.pose.then(pose);
             next = placed.base == null ? ROBOT : placed.base;
         }
-        throw Refusal.bad("the base `" + Messages.excerpt(next) + "` is given in itself, by way of its own base");
+        throw Refusal.bad(
+            "the base `" + Messages.excerpt(next) + "` is given in itself, by way of its own base");
     }
 
     /**
@@ -221,7 +224,8 @@ final class Workcell {
                 return named.target.in(base(named.base));
             }
             if (!value.isObject()) {
-                throw Refusal.bad("`" + key + "` has to be a frame, or the name of one, not " + Keys.kind(value));
+                throw Refusal.bad(
+                    "`" + key + "` has to be a frame, or the name of one, not " + Keys.kind(value));
             }
         } catch (Refusal refusal) {
             throw motion.wrong(refusal.getMessage());
@@ -244,7 +248,9 @@ final class Workcell {
     }
 
     private static Refusal unknown(String kind, String name, Collection<String> known) {
-        String listed = known.isEmpty() ? "none" : Keys.join(new TreeSet<String>(known).toArray(new String[known.size()]));
-        return Refusal.bad("unknown " + kind + " `" + Messages.excerpt(name) + "`; known are " + listed);
+        String listed = known.isEmpty() ? "none"
+            : Keys.join(new TreeSet<String>(known).toArray(new String[known.size()]));
+        return Refusal.bad(
+            "unknown " + kind + " `" + Messages.excerpt(name) + "`; known are " + listed);
     }
 }

@@ -104,7 +104,8 @@ final class CabinetBackend implements Backend {
             JsonValue stop = now.get("safety_stop");
             conditions = new Conditions(now.getString("operation_mode", null),
                 override == null ? null : Double.valueOf(override.asDouble()),
-                stop == null ? null : Boolean.valueOf(stop.asBoolean()), now.getString("tool", null));
+                stop == null ? null : Boolean.valueOf(stop.asBoolean()),
+                now.getString("tool", null));
         }
         connected.countDown();
         JsonValue outcome = state.get("outcome");
@@ -126,11 +127,13 @@ final class CabinetBackend implements Backend {
             return Outcome.untimed(error);
         }
         JsonValue start = json.get("start_s");
-        return Outcome.timed(start == null ? null : Double.valueOf(start.asDouble()), json.get("end_s").asDouble(), error);
+        return Outcome.timed(start == null ? null : Double.valueOf(start.asDouble()),
+            json.get("end_s").asDouble(), error);
     }
 
     private static Refusal refusal(JsonObject error) {
-        return new Refusal(Refusal.Code.of(error.getString("code", "robot")), error.getString("message", ""));
+        return new Refusal(
+            Refusal.Code.of(error.getString("code", "robot")), error.getString("message", ""));
     }
 
     /** Sends an instruction and waits for its acknowledgement. */
@@ -260,7 +263,8 @@ final class CabinetBackend implements Backend {
         List<Signal> signals = new ArrayList<Signal>();
         for (JsonValue value : ask(instruction("list_io"), ANSWER_MS).get("io").asArray()) {
             JsonObject signal = value.asObject();
-            signals.add(new Signal(signal.getString("name", ""), signal.getString("direction", "").equals("output"),
+            signals.add(new Signal(
+                signal.getString("name", ""), signal.getString("direction", "").equals("output"),
                 SignalValue.of(signal.get("value"))));
         }
         return signals;

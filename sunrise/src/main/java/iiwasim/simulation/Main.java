@@ -22,18 +22,24 @@ import java.util.Random;
 /** The robot program on a PC, with a simulated robot. */
 public final class Main {
     private static final String HELP = "usage: java -jar simulated-robot-program.jar [OPTION]...\n"
-        + "The robot program of iiwasim in front of a simulated robot, for tests without a cabinet.\n\n"
-        + "  --instructions ADDRESS          for instructions of the drive [tcp://127.0.0.1:30001]\n"
+        + "The robot program of iiwasim in front of a simulated robot, for tests without a "
+        + "cabinet.\n\n"
+        + "  --instructions ADDRESS          for instructions of the drive "
+        + "[tcp://127.0.0.1:30001]\n"
         + "  --state ADDRESS                 for states to the drive [tcp://127.0.0.1:30002]\n"
         + "  --cabinet-instructions ADDRESS  of an `iiwasim cabinet` that simulates the robot;\n"
-        + "  --cabinet-state ADDRESS         without it, there is a robot without FRI, which stops at each target\n"
-        + "  --without-times                 as on a real cabinet: no times of runs, no temperatures\n"
+        + "  --cabinet-state ADDRESS         without it, there is a robot without FRI, which "
+        + "stops at each target\n"
+        + "  --without-times                 as on a real cabinet: no times of runs, no "
+        + "temperatures\n"
         + "  --key FILE.key                  own key, made by `iiwasim keygen`\n"
         + "  --allow FILE|FOLDER             public keys of drives that may connect\n"
         + "  --until-stdin-closes            ends with its parent\n";
 
-    private static final List<String> FLAGS = Arrays.asList("--without-times", "--until-stdin-closes");
-    private static final List<String> OPTIONS = Arrays.asList("--instructions", "--state", "--cabinet-instructions",
+    private static final List<String> FLAGS =
+        Arrays.asList("--without-times", "--until-stdin-closes");
+    private static final List<String> OPTIONS =
+        Arrays.asList("--instructions", "--state", "--cabinet-instructions",
         "--cabinet-state", "--key", "--allow");
 
     private static final long LOOK_MS = 100;
@@ -62,7 +68,8 @@ public final class Main {
             }
         };
         final Backend backend = backend(options);
-        Program program = new Program(backend, new Random().nextInt(Integer.MAX_VALUE), new Program.Clock() {
+        Program program =
+            new Program(backend, new Random().nextInt(Integer.MAX_VALUE), new Program.Clock() {
             @Override
             public long nanoTime() {
                 return System.nanoTime();
@@ -111,7 +118,8 @@ public final class Main {
         }
         CabinetBackend cabinet = new CabinetBackend(instructions, state, isTimed);
         if (!cabinet.awaitConnection(30)) {
-            throw fail("the simulated cabinet does not answer; is `iiwasim cabinet` running there?");
+            throw fail("the simulated cabinet does not answer; is `iiwasim cabinet` running "
+                + "there?");
         }
         return cabinet;
     }
@@ -141,7 +149,8 @@ public final class Main {
         for (File file : files) {
             keys.add(KeyFile.read(new FileInputStream(file), file.getName()));
         }
-        return Security.withKeys(KeyFile.read(new FileInputStream(key), new File(key).getName()), keys);
+        return Security.withKeys(
+            KeyFile.read(new FileInputStream(key), new File(key).getName()), keys);
     }
 
     private static Map<String, String> options(String[] arguments) {
@@ -158,7 +167,8 @@ public final class Main {
                 i++;
                 options.put(name, arguments[i]);
             } else {
-                throw fail((OPTIONS.contains(name) ? "there is no value after " : "there is no option ") + name + "\n\n" + HELP);
+                throw fail((OPTIONS.contains(name) ? "there is no value after "
+                    : "there is no option ") + name + "\n\n" + HELP);
             }
         }
         return options;

@@ -33,7 +33,8 @@ public final class SimulatedBackend implements Backend {
     /** Joint ranges of both robots, plus and minus, in rad. */
     private static final double[] RANGE = radians(170, 120, 170, 120, 170, 120, 175);
 
-    private final ScheduledExecutorService clock = Executors.newSingleThreadScheduledExecutor(new ThreadFactory() {
+    private final ScheduledExecutorService clock =
+        Executors.newSingleThreadScheduledExecutor(new ThreadFactory() {
         @Override
         public Thread newThread(Runnable task) {
             Thread thread = new Thread(task, "simulated robot");
@@ -52,7 +53,8 @@ public final class SimulatedBackend implements Backend {
         for (String input : new String[] {"UserButton", "InputX3Pin3", "InputX3Pin4"}) {
             put("MediaFlange." + input, false, SignalValue.of(false));
         }
-        for (String output : new String[] {"LEDBlue", "OutputX3Pin1", "OutputX3Pin2", "SwitchOffX3Voltage"}) {
+        for (String output : new String[] {"LEDBlue", "OutputX3Pin1", "OutputX3Pin2",
+            "SwitchOffX3Voltage"}) {
             put("MediaFlange." + output, true, SignalValue.of(false));
         }
         put("Simulation.DigitalInput", false, SignalValue.of(0L));
@@ -94,11 +96,15 @@ public final class SimulatedBackend implements Backend {
             double slowest = 0;
             for (int j = 0; j < 7; j++) {
                 if (Math.abs(motion.jointsRad[j]) > RANGE[j] + 1e-9) {
-                    throw new Refusal(Refusal.Code.LIMIT, "motion " + motion.number + ": joint A" + (j + 1) + " is at "
-                        + Math.toDegrees(motion.jointsRad[j]) + " deg; its range is +-" + Math.toDegrees(RANGE[j]) + " deg");
+                    throw new Refusal(Refusal.Code.LIMIT, "motion " + motion.number + ": joint A"
+                        + (j + 1) + " is at "
+                        + Math.toDegrees(motion.jointsRad[j]) + " deg; its range is +-"
+                        + Math.toDegrees(RANGE[j]) + " deg");
                 }
-                double share = motion.limits.velocityRel() == null ? 1 : motion.limits.velocityRel()[j];
-                slowest = Math.max(slowest, Math.abs(motion.jointsRad[j] - at[j]) / (SPEED[j] * share));
+                double share = motion.limits.velocityRel() == null ? 1
+                    : motion.limits.velocityRel()[j];
+                slowest = Math.max(
+                    slowest, Math.abs(motion.jointsRad[j] - at[j]) / (SPEED[j] * share));
             }
             takesS += slowest;
             at = motion.jointsRad;

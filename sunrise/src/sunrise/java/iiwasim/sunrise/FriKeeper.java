@@ -107,8 +107,10 @@ final class FriKeeper {
         try {
             opened.await(AWAIT_S, TimeUnit.SECONDS);
         } catch (TimeoutException late) {
-            tell("FRI: nothing answers at " + client + ":" + settings.friPort() + " within " + AWAIT_S
-                + " s; is the drive running there, and do fri_client and the netmask fit? Trying on.");
+            tell("FRI: nothing answers at " + client + ":" + settings.friPort() + " within "
+                + AWAIT_S
+                + " s; is the drive running there, and do fri_client and the netmask fit? Trying "
+                + "on.");
             return false;
         }
         tell("FRI is open to " + client + ":" + settings.friPort());
@@ -121,20 +123,23 @@ final class FriKeeper {
 
     private boolean isOpen() {
         FRIChannelInformation information = information();
-        return !isClosing && information != null && information.getFRISessionState() != FRISessionState.IDLE;
+        return !isClosing && information != null
+            && information.getFRISessionState() != FRISessionState.IDLE;
     }
 
     /** Fails if commanding cannot begin. */
     void checkReady() throws Refusal {
         FRIChannelInformation information = information();
-        if (information == null || information.getFRISessionState().compareTo(FRISessionState.MONITORING_READY) < 0) {
+        if (information == null || information.getFRISessionState()
+            .compareTo(FRISessionState.MONITORING_READY) < 0) {
             throw Refusal.robot("FRI is not ready for commanding: " + state());
         }
     }
 
     boolean isActive() {
         FRIChannelInformation information = information();
-        return information != null && information.getFRISessionState() == FRISessionState.COMMANDING_ACTIVE;
+        return information != null
+            && information.getFRISessionState() == FRISessionState.COMMANDING_ACTIVE;
     }
 
     /** State of the session, for people. */
@@ -143,7 +148,8 @@ final class FriKeeper {
         if (information == null) {
             return "no session is open";
         }
-        return "session " + information.getFRISessionState() + ", quality " + information.getQuality();
+        return "session " + information.getFRISessionState() + ", quality "
+            + information.getQuality();
     }
 
     /** Motion overlay of the set-points. */

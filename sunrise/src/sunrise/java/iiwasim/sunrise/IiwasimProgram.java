@@ -67,15 +67,18 @@ public class IiwasimProgram extends RoboticsAPIApplication {
             }
         };
         log.info(Program.VERSION + " " + settings);
-        backend = new SunriseBackend(robot, getApplicationControl(), getApplicationData(), settings, log);
-        Program program = new Program(backend, new Random().nextInt(Integer.MAX_VALUE), new Program.Clock() {
+        backend = new SunriseBackend(
+            robot, getApplicationControl(), getApplicationData(), settings, log);
+        Program program =
+            new Program(backend, new Random().nextInt(Integer.MAX_VALUE), new Program.Clock() {
             @Override
             public long nanoTime() {
                 return System.nanoTime();
             }
         });
         String at = "tcp://" + settings.address() + ":";
-        server = new Server(program, at + settings.instructionsPort(), at + settings.statePort(), security(), log);
+        server = new Server(
+            program, at + settings.instructionsPort(), at + settings.statePort(), security(), log);
         backend.openFri(server);
         log.info("waiting for the drive");
         while (!isStopping) {
@@ -119,7 +122,8 @@ public class IiwasimProgram extends RoboticsAPIApplication {
         if (current != null && state == RoboticsAPIApplicationState.STOPPING) {
             current.end("the robot program is being ended on the smartPAD");
         } else if (current != null && state == RoboticsAPIApplicationState.MOTIONPAUSING) {
-            current.abort("the robot program was paused on the smartPAD; a run does not go on after a pause");
+            current.abort(
+                "the robot program was paused on the smartPAD; a run does not go on after a pause");
         }
         super.onApplicationStateChanged(state);
     }
@@ -132,14 +136,16 @@ public class IiwasimProgram extends RoboticsAPIApplication {
         for (String file : settings.allowedKeyFiles()) {
             allowed.add(KeyFile.read(resource(file), file));
         }
-        return Security.withKeys(KeyFile.read(resource(settings.keyFile()), settings.keyFile()), allowed);
+        return Security.withKeys(
+            KeyFile.read(resource(settings.keyFile()), settings.keyFile()), allowed);
     }
 
     /** A file next to this class. */
     InputStream resource(String name) throws IOException {
         InputStream found = IiwasimProgram.class.getResourceAsStream(name);
         if (found == null) {
-            throw new IOException("there is no file " + name + " in the package iiwasim.sunrise of this project;"
+            throw new IOException(
+                "there is no file " + name + " in the package iiwasim.sunrise of this project;"
                 + " put it there and synchronise");
         }
         return found;

@@ -98,7 +98,8 @@ final class IoGroups {
             return groups.get(signal.group).read(signal);
         } catch (RuntimeException error) {
             throw Refusal.robot("the input or output " + signal.group + "." + signal.name
-                + " cannot be read; does the station's I/O configuration have it? " + error.getMessage());
+                + " cannot be read; does the station's I/O configuration have it? "
+                + error.getMessage());
         }
     }
 
@@ -127,7 +128,8 @@ final class IoGroups {
         return now;
     }
 
-    private static void check(DeclaredSignal signal, String name, SignalValue value) throws Refusal {
+    private static void check(DeclaredSignal signal, String name, SignalValue value)
+        throws Refusal {
         if (!signal.isOutput) {
             throw Refusal.bad(name + " is an input; it cannot be set");
         }
@@ -155,12 +157,14 @@ final class IoGroups {
 
     private static void range(String name, double number, double min, double max) throws Refusal {
         if (!(number >= min && number <= max)) {
-            throw Refusal.bad(name + " takes a number from " + min + " to " + max + ", not " + number);
+            throw Refusal.bad(
+                name + " takes a number from " + min + " to " + max + ", not " + number);
         }
     }
 
     private static boolean isSame(SignalValue a, SignalValue b) {
-        return a.truth() != null ? a.truth().equals(b.truth()) : Math.abs(a.number() - b.number()) < 1e-3;
+        return a.truth() != null ? a.truth().equals(b.truth())
+            : Math.abs(a.number() - b.number()) < 1e-3;
     }
 
     private DeclaredSignal signal(String name) throws Refusal {
@@ -169,7 +173,8 @@ final class IoGroups {
             if (name.equals(signal.group + "." + signal.name)) {
                 return signal;
             }
-            known.add(new Signal(signal.group + "." + signal.name, signal.isOutput, SignalValue.of(false)));
+            known.add(new Signal(
+                signal.group + "." + signal.name, signal.isOutput, SignalValue.of(false)));
         }
         Signal.find(known, name);
         throw new IllegalStateException("it was not found twice");

@@ -59,7 +59,8 @@ final class MotionMapping {
     /** The motions, divided at waits and at changes of the TCP. */
     List<Leg> legs(MotionList list, int batch) throws Refusal {
         if (list.isT1() && robot.getOperationMode() != OperationMode.T1) {
-            throw Refusal.robot("the program is for T1, and the robot is in " + robot.getOperationMode()
+            throw Refusal.robot(
+                "the program is for T1, and the robot is in " + robot.getOperationMode()
                 + ": leave out `mode`, or switch to T1");
         }
         List<Leg> legs = new ArrayList<Leg>();
@@ -69,7 +70,8 @@ final class MotionMapping {
         RobotMotion<?> last = null;
         for (Motion motion : list.motions()) {
             if (motion.type == Motion.Type.LOAD) {
-                throw wrong(motion, "a change of the load is not mapped to Sunrise yet, and the controller has to know what hangs"
+                throw wrong(motion, "a change of the load is not mapped to Sunrise yet, and the "
+                    + "controller has to know what hangs"
                     + " on the flange; leave it out, and give the tool in Sunrise the load");
             }
             if (motion.type == Motion.Type.WAIT) {
@@ -82,10 +84,12 @@ final class MotionMapping {
                 before = null;
                 continue;
             }
-            boolean isSamePoint = before != null && (motion.jointsRad != null || isSame(before, motion.tcp));
+            boolean isSamePoint = before != null
+                && (motion.jointsRad != null || isSame(before, motion.tcp));
             if (!isSamePoint) {
                 if (blended != null) {
-                    throw wrong(motion, "the motion before has a blend, and another point moves here; Sunrise stops there:"
+                    throw wrong(motion, "the motion before has a blend, and another point moves "
+                        + "here; Sunrise stops there:"
                         + " remove that blend");
                 }
                 before = motion.tcp;
@@ -124,15 +128,19 @@ final class MotionMapping {
             return robot.getFlange();
         }
         if (tool == null || !motion.tcp.tool().equals(toolName)) {
-            throw wrong(motion, "it moves the tool `" + Messages.excerpt(motion.tcp.tool()) + "`, and "
+            throw wrong(motion, "it moves the tool `" + Messages.excerpt(motion.tcp.tool())
+                + "`, and "
                 + (tool == null ? "no tool is attached" : "`" + toolName + "` is attached")
-                + ": the setting `tool` has to name it, and the Sunrise project has to have a template of this name");
+                + ": the setting `tool` has to name it, and the Sunrise project has to have a "
+                + "template of this name");
         }
         ObjectFrame frame;
         try {
-            frame = motion.tcp.tip() == null ? tool.getDefaultMotionFrame() : tool.getFrame("/" + motion.tcp.tip());
+            frame = motion.tcp.tip() == null ? tool.getDefaultMotionFrame()
+                : tool.getFrame("/" + motion.tcp.tip());
         } catch (RuntimeException error) {
-            throw wrong(motion, "the tool in Sunrise has no frame `/" + Messages.excerpt(motion.tcp.tip()) + "`");
+            throw wrong(motion, "the tool in Sunrise has no frame `/"
+                + Messages.excerpt(motion.tcp.tip()) + "`");
         }
         // From two readings at rest: TCP and flange poses in the same frame.
         Pose inSunrise = pose(robot.getCurrentCartesianPosition(robot.getFlange())).inverse()
@@ -140,14 +148,17 @@ final class MotionMapping {
         double offMm = inSunrise.distanceMm(motion.tcp.pose());
         double offRad = inSunrise.angleRad(motion.tcp.pose());
         if (offMm > TCP_MM || offRad > TCP_RAD) {
-            throw wrong(motion, String.format(Locale.ROOT, "the TCP of `%s` is %.1f mm and %.2f deg off that of the"
-                + " tool in Sunrise: correct one of them", motion.tcp, offMm, Math.toDegrees(offRad)));
+            throw wrong(motion,
+                String.format(Locale.ROOT, "the TCP of `%s` is %.1f mm and %.2f deg off that of the"
+                + " tool in Sunrise: correct one of them", motion.tcp, offMm,
+                Math.toDegrees(offRad)));
         }
         return frame;
     }
 
     private static Pose pose(Frame frame) {
-        return Pose.of(frame.getX(), frame.getY(), frame.getZ(), frame.getAlphaRad(), frame.getBetaRad(),
+        return Pose.of(
+            frame.getX(), frame.getY(), frame.getZ(), frame.getAlphaRad(), frame.getBetaRad(),
             frame.getGammaRad());
     }
 
@@ -189,8 +200,10 @@ final class MotionMapping {
         for (int j = 0; j < 7; j++) {
             double q = motion.jointsRad[j];
             if (q > max.get(j) + ROUNDING || q < min.get(j) - ROUNDING) {
-                throw new Refusal(Refusal.Code.LIMIT, "motion " + motion.number + ": joint A" + (j + 1) + " is at "
-                    + Messages.degrees(q) + "; its range is " + Messages.degrees(min.get(j)) + " to "
+                throw new Refusal(Refusal.Code.LIMIT, "motion " + motion.number + ": joint A"
+                    + (j + 1) + " is at "
+                    + Messages.degrees(q) + "; its range is " + Messages.degrees(min.get(j))
+                    + " to "
                     + Messages.degrees(max.get(j)));
             }
         }
@@ -201,7 +214,8 @@ final class MotionMapping {
     private Frame frame(Target target) {
         double[] xyz = target.pose().xyzMm();
         double[] abc = target.pose().abcRad();
-        Frame frame = new Frame(robot.getRootFrame(), xyz[0], xyz[1], xyz[2], abc[0], abc[1], abc[2]);
+        Frame frame = new Frame(
+            robot.getRootFrame(), xyz[0], xyz[1], xyz[2], abc[0], abc[1], abc[2]);
         if (target.e1Rad() != null || target.status() != null || target.turn() != null) {
             LBRE1Redundancy redundancy = new LBRE1Redundancy();
             if (target.e1Rad() != null) {
@@ -232,11 +246,13 @@ final class MotionMapping {
                 break;
             default:
                 if (motion.e1Rad != null) {
-                    throw wrong(motion, "`e1_deg` of a relative motion has no counterpart in Sunrise; give the frame");
+                    throw wrong(motion, "`e1_deg` of a relative motion has no counterpart in "
+                        + "Sunrise; give the frame");
                 }
                 double[] xyz = motion.offset.xyzMm();
                 double[] abc = motion.offset.abcRad();
-                Transformation offset = Transformation.ofRad(xyz[0], xyz[1], xyz[2], abc[0], abc[1], abc[2]);
+                Transformation offset =
+                    Transformation.ofRad(xyz[0], xyz[1], xyz[2], abc[0], abc[1], abc[2]);
                 path = motion.in == null ? linRel(offset) : linRel(offset, frame(motion.in));
         }
         if (motion.orientation != null) {
@@ -247,14 +263,18 @@ final class MotionMapping {
 
     private SplineMotionCP<?> circle(Motion motion) throws Refusal {
         if (motion.circAngleRad != null) {
-            throw wrong(motion, "`circ_angle_deg` is not mapped to Sunrise yet; give the frame at the end");
+            throw wrong(motion,
+                "`circ_angle_deg` is not mapped to Sunrise yet; give the frame at the end");
         }
-        if (!motion.auxOrientation.equals("consider") || !motion.endOrientation.equals("interpolate")) {
-            throw wrong(motion, "`aux_orientation` and `end_orientation` are not mapped to Sunrise yet; leave them out");
+        if (!motion.auxOrientation.equals("consider")
+            || !motion.endOrientation.equals("interpolate")) {
+            throw wrong(motion, "`aux_orientation` and `end_orientation` are not mapped to "
+                + "Sunrise yet; leave them out");
         }
         SplineMotionCP<?> path = circ(frame(motion.aux), frame(motion.frame));
         path.setOrientationReferenceSystem(
-            motion.turnsWithPath ? OrientationReferenceSystem.Path : OrientationReferenceSystem.Base);
+            motion.turnsWithPath ? OrientationReferenceSystem.Path
+            : OrientationReferenceSystem.Base);
         return path;
     }
 
@@ -318,7 +338,8 @@ final class MotionMapping {
         Double acceleration = either(own.cartAcceleration(), otherwise.cartAcceleration());
         Double jerk = either(own.cartJerk(), otherwise.cartJerk());
         Double turning = either(own.orientationVelocity(), otherwise.orientationVelocity());
-        Double turningAcceleration = either(own.orientationAcceleration(), otherwise.orientationAcceleration());
+        Double turningAcceleration =
+            either(own.orientationAcceleration(), otherwise.orientationAcceleration());
         Double turningJerk = either(own.orientationJerk(), otherwise.orientationJerk());
         if (velocity != null) {
             path.setCartVelocity(velocity);

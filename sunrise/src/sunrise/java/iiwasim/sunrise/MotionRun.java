@@ -40,7 +40,8 @@ final class MotionRun extends Run {
      */
     private void send(Leg leg) {
         for (List<RobotMotion<?>> motions : leg.batches) {
-            MotionBatch batch = new MotionBatch(motions.toArray(new RobotMotion<?>[motions.size()]));
+            MotionBatch batch =
+                new MotionBatch(motions.toArray(new RobotMotion<?>[motions.size()]));
             add(leg.frame.moveAsync(batch, waker()));
         }
     }

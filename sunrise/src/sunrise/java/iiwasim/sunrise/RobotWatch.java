@@ -79,9 +79,11 @@ final class RobotWatch {
         boolean isStopped = stop != SafetyStopType.NOSTOP;
         String mode = robot.getOperationMode().name().toLowerCase(Locale.ROOT);
         conditions = new Conditions(mode, control.getApplicationOverride(), isStopped, tool);
-        isPaused = ((SunriseExecutionService) robot.getController().getExecutionService()).isPaused();
+        isPaused = ((SunriseExecutionService) robot.getController().getExecutionService())
+            .isPaused();
         if (isStopped) {
-            listener.stopped("a safety stop has become active (" + stop + "); a run does not go on after a stop");
+            listener.stopped("a safety stop has become active (" + stop
+                + "); a run does not go on after a stop");
         } else if (isPaused) {
             listener.stopped("the motion was paused; a run does not go on after a pause");
         }

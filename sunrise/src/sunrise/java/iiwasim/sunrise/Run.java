@@ -127,7 +127,8 @@ abstract class Run {
         synchronized (this) {
             if (!isAtRest) {
                 String before = error == null ? "" : error.getMessage() + "; ";
-                error = Refusal.robot(before + "the controller has not reported that the arm is at rest");
+                error = Refusal.robot(
+                    before + "the controller has not reported that the arm is at rest");
             }
             why = error;
             hasEnded = true;

@@ -37,7 +37,8 @@ final class SunriseBackend implements Backend {
     /** True while the program ends: runs cannot begin any more. */
     private boolean isEnding;
 
-    SunriseBackend(LBR robot, IApplicationControl control, IApplicationData data, Settings settings, Log log) {
+    SunriseBackend(
+        LBR robot, IApplicationControl control, IApplicationData data, Settings settings, Log log) {
         this.robot = robot;
         this.settings = settings;
         Tool tool = null;
@@ -50,8 +51,10 @@ final class SunriseBackend implements Backend {
         fri = new FriKeeper(robot, settings, log);
         control.registerMoveAsyncErrorHandler(new IErrorHandler() {
             @Override
-            public ErrorHandlingAction handleError(Device device, IMotionContainer failed, List<IMotionContainer> canceled) {
-                abort(failed.getErrorMessage() == null ? "the controller has aborted a motion" : failed.getErrorMessage());
+            public ErrorHandlingAction handleError(
+                Device device, IMotionContainer failed, List<IMotionContainer> canceled) {
+                abort(failed.getErrorMessage() == null ? "the controller has aborted a motion"
+                    : failed.getErrorMessage());
                 // Ending the program would close the connection that reports the reason.
                 return ErrorHandlingAction.Ignore;
             }
@@ -103,7 +106,8 @@ final class SunriseBackend implements Backend {
     public void checkReady() throws Refusal {
         SafetyStopType stop = robot.getSafetyState().getSafetyStopSignal();
         if (stop != SafetyStopType.NOSTOP) {
-            throw Refusal.robot("a safety stop is active (" + stop + "): emergency stop, protective stop or enabling switch");
+            throw Refusal.robot("a safety stop is active (" + stop
+                + "): emergency stop, protective stop or enabling switch");
         }
         if (!robot.isMastered()) {
             throw Refusal.robot("not all axes are mastered");
@@ -112,7 +116,8 @@ final class SunriseBackend implements Backend {
             throw Refusal.robot("the robot program is paused on the smartPAD: press its start key");
         }
         if (!robot.isReadyToMove()) {
-            throw Refusal.robot("the robot is not ready to move: in T1 and T2 hold the enabling switch and the start key;"
+            throw Refusal.robot("the robot is not ready to move: in T1 and T2 hold the enabling "
+                + "switch and the start key;"
                 + " the smartPAD tells more");
         }
         Run current = current();

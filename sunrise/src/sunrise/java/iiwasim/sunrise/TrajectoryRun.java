@@ -50,7 +50,8 @@ final class TrajectoryRun extends Run {
                 throw Refusal.robot("FRI has left active commanding: " + fri.state());
             }
             if (!isActive && System.nanoTime() > until) {
-                throw Refusal.robot("FRI did not become active within " + ACTIVE_MS / 1000 + " s: " + fri.state());
+                throw Refusal.robot(
+                    "FRI did not become active within " + ACTIVE_MS / 1000 + " s: " + fri.state());
             }
             wasActive |= isActive;
             pause(LOOK_MS);

@@ -33,7 +33,8 @@ public final class ClassLevel {
             File jar = new File(arguments[i]);
             relabel(jar, i == 1 ? new File(arguments[0]) : null);
             if (jar.length() > MAX_BYTES) {
-                throw new IOException(jar + " has " + jar.length() + " bytes; at most " + MAX_BYTES + " are meant for a cabinet");
+                throw new IOException(jar + " has " + jar.length() + " bytes; at most " + MAX_BYTES
+                    + " are meant for a cabinet");
             }
         }
     }
@@ -69,7 +70,8 @@ public final class ClassLevel {
         if (!jar.delete() || !made.renameTo(jar)) {
             throw new IOException("cannot replace " + jar);
         }
-        System.out.println(jar.getName() + ": " + count + " classes for Java 6 or older, " + jar.length() / 1024 + " kB");
+        System.out.println(jar.getName() + ": " + count + " classes for Java 6 or older, "
+            + jar.length() / 1024 + " kB");
     }
 
     private static void write(File file, byte[] content) throws IOException {
@@ -86,7 +88,8 @@ public final class ClassLevel {
         int magic = content.length < 8 ? 0 : number(content, 0) << 16 | number(content, 2);
         int version = content.length < 8 ? 0 : number(content, 6);
         if (magic != MAGIC || version > JAVA_7) {
-            throw new IOException(name + " has the version " + version + ", and a cabinet takes " + JAVA_6 + " at most");
+            throw new IOException(name + " has the version " + version + ", and a cabinet takes "
+                + JAVA_6 + " at most");
         }
         if (name.startsWith("com/kuka/")) {
             throw new IOException(name + " does not belong into the jar");

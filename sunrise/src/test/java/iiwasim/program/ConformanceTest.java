@@ -58,7 +58,8 @@ public class ConformanceTest {
             one.get();
         }
         threads.shutdown();
-        System.out.println("conformance of the Java program: " + passed + " cases passed, " + failures.size() + " failed, "
+        System.out.println("conformance of the Java program: " + passed + " cases passed, "
+            + failures.size() + " failed, "
             + skipped + " skipped");
         assertEquals(failures.toString(), 0, failures.size());
         assertTrue(passed.get() > 1000);
@@ -74,9 +75,11 @@ public class ConformanceTest {
         });
         String instructions = ServerTest.free();
         String states = ServerTest.free();
-        Server server = new Server(program, instructions, states, Security.open(), ServerTest.SILENT);
+        Server server =
+            new Server(program, instructions, states, Security.open(), ServerTest.SILENT);
         Peer peer = new Peer(instructions, states, null, null);
-        BufferedReader lines = new BufferedReader(new InputStreamReader(new FileInputStream(file), "UTF-8"));
+        BufferedReader lines =
+            new BufferedReader(new InputStreamReader(new FileInputStream(file), "UTF-8"));
         try {
             for (String line = lines.readLine(); line != null; line = lines.readLine()) {
                 run(file.getName(), Json.parse(line).asObject(), peer);
@@ -149,7 +152,8 @@ public class ConformanceTest {
         } else if (name.equals("state")) {
             return state(value, step.getDouble("within_s", 0), peer);
         } else if (name.equals("acknowledge")) {
-            peer.acknowledgement = value.isString() ? "garbage" : value.asBoolean() ? "{\"ok\":true}" : null;
+            peer.acknowledgement = value.isString() ? "garbage" : value.asBoolean()
+                ? "{\"ok\":true}" : null;
         } else if (name.equals("count_states")) {
             return count(value.asObject(), peer);
         } else if (name.equals("pause_s")) {
@@ -186,7 +190,8 @@ public class ConformanceTest {
         return null;
     }
 
-    private static String state(JsonValue pattern, double withinS, Peer peer) throws InterruptedException {
+    private static String state(JsonValue pattern, double withinS, Peer peer)
+        throws InterruptedException {
         long until = System.nanoTime() + (long) (withinS * 1e9);
         JsonValue last = null;
         peer.states.clear();
@@ -204,7 +209,8 @@ public class ConformanceTest {
         peer.states.clear();
         Thread.sleep((long) (1000 * count.getDouble("over_s", 0)));
         int states = peer.states.size();
-        boolean isRight = states >= count.getInt("at_least", 0) && states <= count.getInt("at_most", Integer.MAX_VALUE);
+        boolean isRight = states >= count.getInt("at_least", 0)
+            && states <= count.getInt("at_most", Integer.MAX_VALUE);
         return isRight ? null : "expected " + count + ", got " + states;
     }
 
@@ -227,14 +233,16 @@ public class ConformanceTest {
             }
             if (key.equals("$has_any")) {
                 for (JsonValue text : of.asArray()) {
-                    if (!isAbsent && value.isString() && value.asString().contains(text.asString())) {
+                    if (!isAbsent && value.isString() && value.asString()
+                        .contains(text.asString())) {
                         return true;
                     }
                 }
                 return false;
             }
             if (key.equals("$between")) {
-                return !isAbsent && value.isNumber() && value.asDouble() >= of.asArray().get(0).asDouble()
+                return !isAbsent && value.isNumber() && value.asDouble() >= of.asArray().get(0)
+                    .asDouble()
                     && value.asDouble() <= of.asArray().get(1).asDouble();
             }
         }
@@ -243,7 +251,8 @@ public class ConformanceTest {
         }
         if (pattern.isObject()) {
             for (JsonObject.Member member : pattern.asObject()) {
-                if (!value.isObject() || !matches(member.getValue(), value.asObject().get(member.getName()))) {
+                if (!value.isObject()
+                    || !matches(member.getValue(), value.asObject().get(member.getName()))) {
                     return false;
                 }
             }
@@ -256,7 +265,8 @@ public class ConformanceTest {
             }
             return isSame;
         }
-        return pattern.isNumber() && value.isNumber() ? sameNumber(pattern, value) : pattern.equals(value);
+        return pattern.isNumber() && value.isNumber() ? sameNumber(pattern, value)
+            : pattern.equals(value);
     }
 
     private static boolean sameNumber(JsonValue a, JsonValue b) {

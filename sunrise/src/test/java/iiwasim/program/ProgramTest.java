@@ -173,7 +173,8 @@ public class ProgramTest {
         ask(RUN);
         ask("{\"seq\":3,\"type\":\"stop\"}");
         assertEquals("robot", code(of("begin")));
-        assertTrue(backend.calls, !backend.calls.contains("begin") && !backend.calls.contains("stop"));
+        assertTrue(backend.calls, !backend.calls.contains("begin")
+            && !backend.calls.contains("stop"));
     }
 
     @Test
@@ -228,8 +229,10 @@ public class ProgramTest {
     @Test
     public void theVersionIsThatOfTheWorkspace() throws Exception {
         String version = Program.VERSION.replace("iiwasim ", "");
-        assertTrue(read("pom.xml").contains("<artifactId>robot-program</artifactId>\n  <version>" + version + "</version>"));
-        assertTrue(read("../Cargo.toml").contains("[workspace.package]\nversion = \"" + version + "\""));
+        assertTrue(read("pom.xml").contains(
+            "<artifactId>robot-program</artifactId>\n  <version>" + version + "</version>"));
+        assertTrue(read("../Cargo.toml")
+            .contains("[workspace.package]\nversion = \"" + version + "\""));
     }
 
     private static String read(String file) throws IOException {
@@ -252,8 +255,10 @@ public class ProgramTest {
     public void instructionsOfOtherFormsAreRefused() {
         assertTrue(program.instruct(Arrays.asList("{}", "{}")).contains("one frame"));
         assertTrue(program.instruct((String) null).contains("UTF-8"));
-        for (String text : new String[] {"", "{", "[]", "null", "{\"seq\":1}", "{\"type\":\"stop\"}", "\u0000",
-            "{\"seq\":-1,\"type\":\"stop\"}", "{\"seq\":1e2,\"type\":\"stop\"}", "{\"seq\":1,\"type\":\"stop\"} x"}) {
+        for (String text : new String[] {"", "{", "[]", "null", "{\"seq\":1}",
+            "{\"type\":\"stop\"}", "\u0000",
+            "{\"seq\":-1,\"type\":\"stop\"}", "{\"seq\":1e2,\"type\":\"stop\"}",
+            "{\"seq\":1,\"type\":\"stop\"} x"}) {
             assertEquals(text, "bad_request", code(text));
             assertTrue(text, ask(text).get("seq").isNull());
         }

@@ -118,7 +118,8 @@ public class ServerTest {
         while (server.failure() == null && System.nanoTime() < until) {
             Thread.sleep(5);
         }
-        assertTrue(server.failure(), server.failure() != null && server.failure().contains("it broke"));
+        assertTrue(server.failure(), server.failure() != null && server.failure()
+            .contains("it broke"));
         peer.close();
         server.close();
     }
@@ -137,7 +138,8 @@ public class ServerTest {
     public void onlyKnownKeysAreServed() throws Exception {
         ZMQ.Curve.KeyPair cabinet = ZMQ.Curve.generateKeyPair();
         ZMQ.Curve.KeyPair drive = ZMQ.Curve.generateKeyPair();
-        Security security = Security.withKeys(file(cabinet, true), Collections.singleton(file(drive, false)));
+        Security security =
+            Security.withKeys(file(cabinet, true), Collections.singleton(file(drive, false)));
         String instructions = free();
         String states = free();
         Server server = new Server(program, instructions, states, security, SILENT);
@@ -147,21 +149,24 @@ public class ServerTest {
         Peer[] strangers = {
             new Peer(instructions, states, null, null),
             new Peer(instructions, states, serverKey, ZMQ.Curve.generateKeyPair()),
-            new Peer(instructions, states, ZMQ.Curve.z85Decode(ZMQ.Curve.generateKeyPair().publicKey), drive),
+            new Peer(instructions, states,
+            ZMQ.Curve.z85Decode(ZMQ.Curve.generateKeyPair().publicKey), drive),
         };
         Peer known = new Peer(instructions, states, serverKey, drive);
         assertEquals("{\"seq\":3}", known.ask("{\"seq\":3,\"type\":\"stop\"}").toString());
         assertNotNull(known.state(10));
         assertEquals("127.0.0.1", server.peer());
         for (Peer stranger : strangers) {
-            stranger.send("{\"seq\":4,\"type\":\"set_io\",\"name\":\"MediaFlange.LEDBlue\",\"value\":true}".getBytes("UTF-8"));
+            stranger.send(
+                "{\"seq\":4,\"type\":\"set_io\",\"name\":\"MediaFlange.LEDBlue\",\"value\":true}".getBytes("UTF-8"));
         }
         for (Peer stranger : strangers) {
             assertNull(stranger.answer(0.5));
             assertNull(stranger.state(0.1));
             stranger.close();
         }
-        assertTrue(known.ask("{\"seq\":5,\"type\":\"get_io\",\"name\":\"MediaFlange.LEDBlue\"}").toString().contains("false"));
+        assertTrue(known.ask("{\"seq\":5,\"type\":\"get_io\",\"name\":\"MediaFlange.LEDBlue\"}")
+            .toString().contains("false"));
         known.close();
         server.close();
     }
@@ -182,7 +187,8 @@ public class ServerTest {
         System.arraycopy("NULL".getBytes("UTF-8"), 0, plain, 12, 4);
         byte[] random = new byte[5000];
         new Random(1).nextBytes(random);
-        byte[][] all = {new byte[0], "GET / HTTP/1.1\r\n\r\n".getBytes("UTF-8"), random, greeting, curve,
+        byte[][] all =
+            {new byte[0], "GET / HTTP/1.1\r\n\r\n".getBytes("UTF-8"), random, greeting, curve,
             Arrays.copyOf(plain, 30), plain, Arrays.copyOf(plain, 100), new byte[100000]};
         List<Socket> strays = new ArrayList<Socket>();
         for (String at : new String[] {instructions, states}) {

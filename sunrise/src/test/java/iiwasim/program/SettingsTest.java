@@ -55,7 +55,8 @@ public class SettingsTest {
 
     @Test
     public void whatIsWrongIsToldWithItsLine() {
-        assertRefused("robot = kr16\nflange_mm = 152\n", "line 1", "lbr_iiwa_7_r800 or lbr_iiwa_14_r820");
+        assertRefused(
+            "robot = kr16\nflange_mm = 152\n", "line 1", "lbr_iiwa_7_r800 or lbr_iiwa_14_r820");
         assertRefused("robot = lbr_iiwa_7_r800\n", "line 1", "belong together");
         assertRefused("robot = lbr_iiwa_7_r800\nflange_mm = -1\n", "line 2", "length in mm");
         assertRefused("fri_port = 1\n", "line 1", "30200 to 30209");
@@ -67,15 +68,18 @@ public class SettingsTest {
         assertRefused("fri_client = 192.170.10.256\n", "IPv4");
         assertRefused("state_port = 30001\n", "line 1", "differ");
         assertRefused("fri_period_ms = 50\nfri_receive_multiplier = 3\n", "100 ms");
-        for (String signal : new String[] {"input.A = boolean", "input.A.B = word", "output.A.B = analog 16",
-            "input.A.B = unsigned", "input.A.B = unsigned 65", "output.A.B = analog 16 3 3", "output.A.B = analog x 0 1"}) {
+        for (String signal : new String[] {"input.A = boolean", "input.A.B = word",
+            "output.A.B = analog 16",
+            "input.A.B = unsigned", "input.A.B = unsigned 65", "output.A.B = analog 16 3 3",
+            "output.A.B = analog x 0 1"}) {
             assertRefused("\n" + signal + "\n", "line 2");
         }
     }
 
     @Test
     public void signalsAreDeclared() throws IOException {
-        Settings settings = read("output.Gripper.Force = analog 16 0 120.5\ninput.Gripper.Width.Mm = unsigned 8\n");
+        Settings settings =
+            read("output.Gripper.Force = analog 16 0 120.5\ninput.Gripper.Width.Mm = unsigned 8\n");
         Settings.DeclaredSignal force = settings.signals().get(0);
         assertEquals("Gripper", force.group);
         assertEquals("Force", force.name);

@@ -69,9 +69,11 @@ public class IiwasimProgramTest {
             ports[i] = Ports.free();
         }
         ZMQ.Curve.KeyPair cabinet = ZMQ.Curve.generateKeyPair();
-        files.put("cabinet.key", "public-key = \"" + cabinet.publicKey + "\"\nsecret-key = \"" + cabinet.secretKey + "\"\n");
+        files.put("cabinet.key", "public-key = \"" + cabinet.publicKey + "\"\nsecret-key = \""
+            + cabinet.secretKey + "\"\n");
         files.put("drive.pub", "public-key = \"" + ZMQ.Curve.generateKeyPair().publicKey + "\"\n");
-        files.put("iiwasim.settings", "address = 127.0.0.1\ninstructions_port = " + ports[0] + "\nstate_port = " + ports[1]
+        files.put("iiwasim.settings", "address = 127.0.0.1\ninstructions_port = " + ports[0]
+            + "\nstate_port = " + ports[1]
             + "\nkey = cabinet.key\nallow = drive.pub\nfri_client = 10.0.0.5\n");
     }
 
@@ -92,7 +94,8 @@ public class IiwasimProgramTest {
             @Override
             InputStream resource(String name) throws IOException {
                 String text = files.get(name);
-                return text == null ? super.resource(name) : new ByteArrayInputStream(text.getBytes("UTF-8"));
+                return text == null ? super.resource(name)
+                    : new ByteArrayInputStream(text.getBytes("UTF-8"));
             }
         };
     }

@@ -32,8 +32,10 @@ import java.util.ArrayList;
 /** The robot program with a stub robot: calls of the controller, and messages to the drive. */
 public class SunriseBackendTest {
     private static final long LONG_MS = 20000;
-    private static final String TOOLS = "'tools':{'gripper':{'tcp':{'z_mm':120},'tips':{'left':{'z_mm':130}}}},'tool':'gripper',";
-    private static final String FRAME = "{'x_mm':500,'y_mm':0,'z_mm':400,'a_deg':0,'b_deg':0,'c_deg':0,'e1_deg':0,'status':2}";
+    private static final String TOOLS =
+        "'tools':{'gripper':{'tcp':{'z_mm':120},'tips':{'left':{'z_mm':130}}}},'tool':'gripper',";
+    private static final String FRAME =
+        "{'x_mm':500,'y_mm':0,'z_mm':400,'a_deg':0,'b_deg':0,'c_deg':0,'e1_deg':0,'status':2}";
 
     private final FakeRobot robot = new FakeRobot();
     private SunriseBackend backend;
@@ -77,11 +79,13 @@ public class SunriseBackendTest {
 
     private String error(String instruction) {
         JsonValue error = Json.parse(ask(instruction)).asObject().get("error");
-        return error == null ? null : error.asObject().getString("code", "") + ": " + error.asObject().getString("message", "");
+        return error == null ? null : error.asObject().getString("code", "") + ": "
+            + error.asObject().getString("message", "");
     }
 
     private void run(String more, String motions) {
-        assertNull(error("{'seq':1,'type':'run_motions','run':7," + more + "'motions':[" + motions + "]}"));
+        assertNull(error(
+            "{'seq':1,'type':'run_motions','run':7," + more + "'motions':[" + motions + "]}"));
         assertNull(error("{'seq':2,'type':'begin','run':7}"));
     }
 
@@ -139,9 +143,12 @@ public class SunriseBackendTest {
             + "'acceleration_rel':[1,1,1,1,1,0.9,1],'blend':{'cart_mm':30}}," + ptp(0));
         awaitContainers(1);
         String what = robot.containers.get(0).what;
-        assertEquals("flange: MotionBatch motion(PTP to(0.17453292519943295..0.0) setJointVelocityRel(0.5) setBlendingRel(0.5))"
-            + " motion(PTP to(0.3490658503988659..0.0) setJointVelocityRel([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5])"
-            + " setJointAccelerationRel([1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 1.0]) setJointJerkRel(0.3) setBlendingCart(30.0))"
+        assertEquals("flange: MotionBatch motion(PTP to(0.17453292519943295..0.0) "
+            + "setJointVelocityRel(0.5) setBlendingRel(0.5))"
+            + " motion(PTP to(0.3490658503988659..0.0) setJointVelocityRel([1.0, 1.0, 1.0, 1.0, "
+            + "1.0, 1.0, 0.5])"
+            + " setJointAccelerationRel([1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 1.0]) setJointJerkRel(0.3) "
+            + "setBlendingCart(30.0))"
             + " motion(PTP to(0.0..0.0))", what);
         assertEquals("running_motion", state().getString("state", ""));
         robot.containers.get(0).finish(null);
@@ -159,7 +166,8 @@ public class SunriseBackendTest {
         robot.containers.get(1).finish(null);
         awaitContainers(3);
         // Sunrise would stop at the blend start.
-        assertFalse(robot.containers.get(2).what, robot.containers.get(2).what.contains("Blending"));
+        assertFalse(robot.containers.get(2).what,
+            robot.containers.get(2).what.contains("Blending"));
         robot.containers.get(2).finish(null);
         assertEquals("", end());
     }
@@ -168,25 +176,33 @@ public class SunriseBackendTest {
     public void pathsMoveThePointOfTheTool() throws Exception {
         open("tool = gripper\n");
         run(TOOLS, "{'type':'ptp','frame':" + FRAME + ",'blend':{'cart_mm':30}},"
-            + "{'type':'lin','frame':" + FRAME + ",'cart_velocity_mm_s':250,'cart_acceleration_mm_s2':1000,'cart_jerk_mm_s3':9000,"
+            + "{'type':'lin','frame':" + FRAME
+            + ",'cart_velocity_mm_s':250,'cart_acceleration_mm_s2':1000,'cart_jerk_mm_s3':9000,"
             + "'orientation_velocity_deg_s':180,'orientation':'constant','blend':{'cart_mm':20,'ori_deg':180}},"
             + "{'type':'lin_rel','offset':{'z_mm':-5},'velocity_rel':0.1},"
-            + "{'type':'circ','aux':" + FRAME + ",'frame':" + FRAME + ",'orientation_reference':'path'},"
+            + "{'type':'circ','aux':" + FRAME + ",'frame':" + FRAME
+            + ",'orientation_reference':'path'},"
             + "{'type':'spl','frame':" + FRAME + "},"
-            + "{'type':'spline','cart_velocity_mm_s':100,'segments':[{'type':'spl','frame':" + FRAME + "},"
+            + "{'type':'spline','cart_velocity_mm_s':100,'segments':[{'type':'spl','frame':" + FRAME
+            + "},"
             + "{'type':'lin','frame':" + FRAME + ",'cart_velocity_mm_s':50}]},"
             + "{'type':'lin','frame':" + FRAME + ",'tool':'gripper/left'}");
         awaitContainers(1);
         String what = robot.containers.get(0).what;
         String frame = "[500.0, 0.0, 400.0, 0.0, 0.0, 0.0] e1 0.0 status 2 turn null";
-        assertTrue(what, what.startsWith("gripper: MotionBatch motion(CartesianPTP to(" + frame + ") setBlendingCart(30.0))"
-            + " motion(LIN to(" + frame + ") setOrientationType(Constant) setCartVelocity(250.0) setCartAcceleration(1000.0)"
-            + " setCartJerk(9000.0) setOrientationVelocity(3.141592653589793) setBlendingCart(20.0) setBlendingOri(3.141592653589793))"
-            + " motion(RelativeLIN to([0.0, 0.0, -5.0, 0.0, 0.0, 0.0]) setOrientationType(VariableOrientation)"
+        assertTrue(what, what.startsWith(
+            "gripper: MotionBatch motion(CartesianPTP to(" + frame + ") setBlendingCart(30.0))"
+            + " motion(LIN to(" + frame
+            + ") setOrientationType(Constant) setCartVelocity(250.0) setCartAcceleration(1000.0)"
+            + " setCartJerk(9000.0) setOrientationVelocity(3.141592653589793) "
+            + "setBlendingCart(20.0) setBlendingOri(3.141592653589793))"
+            + " motion(RelativeLIN to([0.0, 0.0, -5.0, 0.0, 0.0, 0.0]) "
+            + "setOrientationType(VariableOrientation)"
             + " setJointVelocityRel(0.1))"
             + " motion(CIRC to(" + frame + " and " + frame + ") setOrientationReferenceSystem(Path)"
             + " setOrientationType(VariableOrientation)) motion(SPL"));
-        assertTrue(what, what.contains("Spline segment(SPL to(" + frame + ") setOrientationType(VariableOrientation)"
+        assertTrue(what, what.contains(
+            "Spline segment(SPL to(" + frame + ") setOrientationType(VariableOrientation)"
             + " setCartVelocity(100.0)) segment(LIN to(" + frame
             + ") setOrientationType(VariableOrientation) setCartVelocity(50.0))"));
         robot.containers.get(0).finish(null);
@@ -202,23 +218,30 @@ public class SunriseBackendTest {
         open("tool = gripper\n");
         String[][] cases = {
             {TOOLS, "{'type':'lin_rel','offset':{'z_mm':-5},'e1_deg':3}", "e1_deg"},
-            {TOOLS, "{'type':'circ','aux':" + FRAME + ",'frame':" + FRAME + ",'circ_angle_deg':90}", "circ_angle_deg"},
-            {TOOLS, "{'type':'circ','aux':" + FRAME + ",'frame':" + FRAME + ",'aux_orientation':'ignore'}", "aux_orientation"},
+            {TOOLS, "{'type':'circ','aux':" + FRAME + ",'frame':" + FRAME + ",'circ_angle_deg':90}",
+            "circ_angle_deg"},
+            {TOOLS, "{'type':'circ','aux':" + FRAME + ",'frame':" + FRAME
+            + ",'aux_orientation':'ignore'}", "aux_orientation"},
             {TOOLS.replace("120", "121"), "{'type':'lin','frame':" + FRAME + "}", "1.0 mm"},
             {TOOLS.replace("gripper", "drill"), "{'type':'lin','frame':" + FRAME + "}", "`drill`"},
-            {TOOLS.replace("left", "right"), "{'type':'lin','frame':" + FRAME + ",'tool':'gripper/right'}", "/right"},
-            {TOOLS, "{'type':'lin','frame':" + FRAME + ",'blend':{'cart_mm':30}},{'type':'lin','frame':" + FRAME
+            {TOOLS.replace("left", "right"), "{'type':'lin','frame':" + FRAME
+            + ",'tool':'gripper/right'}", "/right"},
+            {TOOLS, "{'type':'lin','frame':" + FRAME
+            + ",'blend':{'cart_mm':30}},{'type':'lin','frame':" + FRAME
                 + ",'tool':'flange'}", "motion 2"},
-            {"", ptp(1) + ",{'type':'load','load':{'mass_kg':2}}", "motion 2: a change of the load"},
+            {"", ptp(1) + ",{'type':'load','load':{'mass_kg':2}}",
+            "motion 2: a change of the load"},
             {"'mode':'t1',", ptp(1), "T1"},
             {"", ptp(179), "limit"},
         };
         for (String[] row : cases) {
-            String error = error("{'seq':1,'type':'run_motions','run':7," + row[0] + "'motions':[" + row[1] + "]}");
+            String error = error(
+                "{'seq':1,'type':'run_motions','run':7," + row[0] + "'motions':[" + row[1] + "]}");
             assertTrue(row[1] + ": " + error, error != null && error.contains(row[2]));
         }
         robot.mode = OperationMode.T1;
-        assertNull(error("{'seq':1,'type':'run_motions','run':7,'mode':'t1','motions':[" + ptp(1) + "]}"));
+        assertNull(error(
+            "{'seq':1,'type':'run_motions','run':7,'mode':'t1','motions':[" + ptp(1) + "]}"));
         assertTrue(robot.containers.isEmpty());
     }
 
@@ -274,7 +297,8 @@ public class SunriseBackendTest {
     @Test
     public void everyStopEndsTheRunAndNothingGoesOn() throws Exception {
         open("batch = 1\n");
-        String[] expected = {"stopped on request", "STOP0", "paused", "smartPAD", "lost drive enable"};
+        String[] expected =
+            {"stopped on request", "STOP0", "paused", "smartPAD", "lost drive enable"};
         for (int i = 0; i < expected.length; i++) {
             robot.containers.clear();
             run("", ptp(1) + "," + ptp(2) + ",{'type':'wait','seconds':0.01}," + ptp(3));
@@ -296,7 +320,8 @@ public class SunriseBackendTest {
                     IMotionContainer failed = robot.containers.get(0);
                     robot.containers.get(0).finish("lost drive enable");
                     assertEquals(ErrorHandlingAction.Ignore,
-                        robot.errorHandler.handleError(null, failed, new ArrayList<IMotionContainer>()));
+                        robot.errorHandler.handleError(
+                        null, failed, new ArrayList<IMotionContainer>()));
             }
             assertTrue(expected[i], end().contains(expected[i]));
             assertTrue(robot.containers.get(1).isCancelled);
@@ -339,7 +364,8 @@ public class SunriseBackendTest {
         openFri();
         assertNull(error(begin));
         awaitContainers(1);
-        assertEquals("robot: PositionHold for(-1) addMotionOverlay(overlay)", robot.containers.get(0).what);
+        assertEquals("robot: PositionHold for(-1) addMotionOverlay(overlay)",
+            robot.containers.get(0).what);
         FRISession.state = FRISessionState.COMMANDING_ACTIVE;
         final IMotionContainer hold = robot.containers.get(0);
         // A controller that reports the end of the hold as an error.
@@ -423,15 +449,23 @@ public class SunriseBackendTest {
 
     @Test
     public void sensorsSignalsAndConditions() throws Exception {
-        open("output.MediaFlange.LEDBlue = boolean\ninput.MediaFlange.Count = unsigned 8\noutput.Gripper.Force = analog 16 0 100\n"
+        open("output.MediaFlange.LEDBlue = boolean\ninput.MediaFlange.Count = unsigned "
+            + "8\noutput.Gripper.Force = analog 16 0 100\n"
             + "output.Gripper.Mode = unsigned 2\n");
-        assertTrue(ask("{'seq':1,'type':'read_sensors'}").contains("\"joint_temperature_c\":null,\"external_torque_nm\":[1,2,3,4,5,6,7]"));
-        assertTrue(ask("{'seq':1,'type':'list_io'}").contains("{\"name\":\"MediaFlange.Count\",\"direction\":\"input\",\"value\":0}"));
-        assertTrue(ask("{'seq':1,'type':'set_io','name':'MediaFlange.LEDBlue','value':true}").contains("\"value\":true"));
-        assertTrue(ask("{'seq':1,'type':'set_io','name':'Gripper.Force','value':50}").contains("\"value\":50.0"));
-        assertTrue(ask("{'seq':1,'type':'set_io','name':'Gripper.Mode','value':3}").contains("\"value\":3"));
-        for (String wrong : new String[] {"'MediaFlange.LEDBlue','value':1", "'MediaFlange.Count','value':1",
-            "'Gripper.Force','value':101", "'Gripper.Mode','value':4", "'Gripper.Mode','value':0.5", "'Gripper.Mode','value':true",
+        assertTrue(ask("{'seq':1,'type':'read_sensors'}")
+            .contains("\"joint_temperature_c\":null,\"external_torque_nm\":[1,2,3,4,5,6,7]"));
+        assertTrue(ask("{'seq':1,'type':'list_io'}")
+            .contains("{\"name\":\"MediaFlange.Count\",\"direction\":\"input\",\"value\":0}"));
+        assertTrue(ask("{'seq':1,'type':'set_io','name':'MediaFlange.LEDBlue','value':true}")
+            .contains("\"value\":true"));
+        assertTrue(ask("{'seq':1,'type':'set_io','name':'Gripper.Force','value':50}")
+            .contains("\"value\":50.0"));
+        assertTrue(ask("{'seq':1,'type':'set_io','name':'Gripper.Mode','value':3}")
+            .contains("\"value\":3"));
+        for (String wrong : new String[] {"'MediaFlange.LEDBlue','value':1",
+            "'MediaFlange.Count','value':1",
+            "'Gripper.Force','value':101", "'Gripper.Mode','value':4", "'Gripper.Mode','value':0.5",
+            "'Gripper.Mode','value':true",
             "'x','value':true"}) {
             String error = error("{'seq':1,'type':'set_io','name':" + wrong + "}");
             assertTrue(wrong + error, error != null && error.startsWith("bad_request"));
@@ -442,6 +476,7 @@ public class SunriseBackendTest {
                 return state().get("conditions") != null;
             }
         });
-        assertEquals("{\"operation_mode\":\"aut\",\"override\":0.8,\"safety_stop\":false}", state().get("conditions").toString());
+        assertEquals("{\"operation_mode\":\"aut\",\"override\":0.8,\"safety_stop\":false}", state()
+            .get("conditions").toString());
     }
 }

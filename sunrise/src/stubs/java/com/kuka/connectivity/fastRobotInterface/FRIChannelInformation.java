@@ -3,7 +3,8 @@ package com.kuka.connectivity.fastRobotInterface;
 /** Stub of the KUKA type: see src/stubs/README.md. */
 public class FRIChannelInformation {
     /** Stub of the KUKA type. */
-    public enum FRISessionState { IDLE, MONITORING_WAIT, MONITORING_READY, COMMANDING_WAIT, COMMANDING_ACTIVE }
+    public enum FRISessionState { IDLE, MONITORING_WAIT, MONITORING_READY, COMMANDING_WAIT,
+        COMMANDING_ACTIVE }
 
     /** Stub of the KUKA type. */
     public enum FRIConnectionQuality { POOR, FAIR, GOOD, EXCELLENT }

@@ -11,7 +11,8 @@ public class FRISession {
     /** Calls of all sessions, for tests. */
     public static final List<String> CALLS = Collections.synchronizedList(new ArrayList<String>());
     /** State of all sessions. */
-    public static volatile FRIChannelInformation.FRISessionState state = FRIChannelInformation.FRISessionState.MONITORING_READY;
+    public static volatile FRIChannelInformation.FRISessionState state =
+        FRIChannelInformation.FRISessionState.MONITORING_READY;
 
     public FRISession(FRIConfiguration configuration) {
         CALLS.add("open " + configuration.client + ":" + configuration.port);

@@ -5,5 +5,6 @@ import java.util.List;
 
 /** Stub of the KUKA type: see src/stubs/README.md. */
 public interface IErrorHandler {
-    ErrorHandlingAction handleError(Device device, IMotionContainer failed, List<IMotionContainer> canceled);
+    ErrorHandlingAction handleError(
+        Device device, IMotionContainer failed, List<IMotionContainer> canceled);
 }

@@ -9,7 +9,8 @@ public abstract class RobotMotion<T extends RobotMotion<T>> implements IMotion {
 
     @SuppressWarnings("unchecked")
     protected T note(String name, Object value) {
-        String text = value instanceof double[] ? Arrays.toString((double[]) value) : String.valueOf(value);
+        String text = value instanceof double[] ? Arrays.toString((double[]) value)
+            : String.valueOf(value);
         calls.append(' ').append(name).append('(').append(text).append(')');
         return (T) this;
     }

@@ -6,12 +6,12 @@ use std::ffi::{c_char, c_void};
 use super::instance::{FmiStatus, FmuInstance, Refusal, call};
 
 /// Defines functions with their arguments after the instance, grouped by the missing capability.
-macro_rules! refused {
-    ($($what:literal: $($name:ident($($argument:ty),*))+;)+) => { $($(
+macro_rules! unsupported {
+    ($($capability:literal: $($name:ident($($argument:ty),*))+;)+) => { $($(
         #[unsafe(no_mangle)]
         extern "C" fn $name(instance: Option<&mut FmuInstance> $(, _: $argument)*) -> FmiStatus {
             call(instance, |_| {
-                Err(Refusal::error(concat!(stringify!($name), ": this FMU has no ", $what)))
+                Err(Refusal::error(concat!(stringify!($name), ": this FMU has no ", $capability)))
             })
         }
     )+)+ };
@@ -19,7 +19,7 @@ macro_rules! refused {
 
 type References = *const u32;
 
-refused! {
+unsupported! {
     "variables of this type":
         fmi3GetFloat32(References, usize, *mut f32, usize)
         fmi3GetInt8(References, usize, *mut i8, usize)
