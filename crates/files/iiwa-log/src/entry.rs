@@ -80,7 +80,7 @@ pub struct Motion<'a> {
     /// Joint of the active limit, 1 to 7; `None` if the active limit is a TCP limit.
     pub limiting_joint: Option<u8>,
     /// Active limit: `velocity`, `acceleration` or `jerk`, with the prefix `cart_` or
-    /// `orientation_` for TCP limits; empty at standstill.
+    /// `orientation_` for TCP limits; `torque`; or the name of another limit. Empty at standstill.
     pub limiting_kind: Cow<'a, str>,
 }
 
