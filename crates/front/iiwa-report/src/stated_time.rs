@@ -14,8 +14,8 @@ pub(crate) fn stated_time(
     let cycles = step_s.map_or_else(String::new, |s| format!(", in cycles of {:.0} ms", 1e3 * s));
     match timed_by {
         CycleClock::CommandedPosition => format!(
-            "{stated_s:.3} s from the first to the last change of the commanded positions{cycles}; the plan has \
-             {:.3} s there, without {standing_s:.3} s of standing before and after",
+            "{stated_s:.3} s from the first to the last change of the commanded positions{cycles}; in the plan \
+             {:.3} s, without {standing_s:.3} s of standstill before and after",
             plan_s - standing_s
         ),
         _ => format!("{stated_s:.3} s by the robot program's clock{cycles}"),
