@@ -93,9 +93,9 @@ Exit codes:
 const FILES: &str = "\
 Files:
   Generated files of the same kind are overwritten: trajectories, tables,
-  pictures, reports, results of virtual robots. Recordings of a robot, and
-  files that may have been edited by hand (robot profiles, frames), are kept
-  unless --overwrite is given. Key files are never overwritten.";
+  pictures, reports, results of `experiment --simulate`. Recordings of a robot,
+  and files that may have been edited by hand (robot profiles, frames), are
+  kept unless --overwrite is given. Key files are never overwritten.";
 
 /// Returns exit codes, files, settings, and the commands that this build lacks.
 fn help() -> String {

@@ -28,9 +28,9 @@ Defaults:
   scene, drive, stream, key, server_key, ros_names and ros_prefix; paths are
   relative to it. IIWASIM_CONFIG names another file. IIWASIM_ROBOT,
   IIWASIM_SCENE, IIWASIM_DRIVE, IIWASIM_STREAM, IIWASIM_KEY,
-  IIWASIM_SERVER_KEY, IIWASIM_ROS_NAMES and IIWASIM_ROS_PREFIX win over the
-  file, options over both. The robot is for programs and commands that name
-  none.";
+  IIWASIM_SERVER_KEY, IIWASIM_ROS_NAMES and IIWASIM_ROS_PREFIX take precedence
+  over the file, and options over variables. `robot` applies only to programs
+  and commands that name no robot.";
 
 /// Content of the file.
 #[derive(Debug, Default, Deserialize)]

@@ -63,7 +63,7 @@ fn a_profile_that_plans() {
     }
     iiwasim(&folder, &["plan", "wide.json", "--robot", "identified.json", "--no-output"])
         .success()
-        .stdout(contains("cell 3, limits of velocity"));
+        .stdout(contains("Planned for cell 3; limits: velocity"));
 }
 
 #[test]

@@ -28,7 +28,7 @@ fn says_which_blends_came_too_late_and_where_motions_come_from() {
     let table = plan(&folder, &file, &[]).success();
     let table = String::from_utf8(table.get_output().stdout.clone()).unwrap();
     assert!(table.contains("source") && table.contains("Weld.java:43"), "{table}");
-    assert!(table.contains("Blend after motion 3 too late: what follows is known at "), "{table}");
+    assert!(table.contains("Blend after motion 3 missed: the next motion is known at "), "{table}");
     assert!(!table.contains("Blend after motion 1"), "{table}");
 
     let figures = figures(plan(&folder, &file, &["--json", "--no-output"]));

@@ -42,11 +42,11 @@ fn torques_are_reported_and_are_a_gate() {
     assert!((20.0..100.0).contains(&max), "{max}");
     assert!(figures["warnings"].as_array().unwrap().is_empty());
     assert!(figures["power"]["peak_w"].as_f64().unwrap() > 10.0);
-    let shown = format!("Torque at most {max:.0} % of A");
+    let shown = format!(" at {max:.0} % of its limit (");
     let below = format!("{}", max.floor());
     plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--max-torque-percent", &below])
         .code(3)
-        .stdout(contains(shown).and(contains("Joints, link side: ")))
+        .stdout(contains(shown).and(contains("Joints (link side): ")))
         .stderr(contains(format!("needs {max:.1} % of A")).and(contains("Gate not met")));
     let above = format!("{}", max.ceil());
     plan(&folder, &fixture("appendix-b.json"), &["--no-output", "--max-torque-percent", &above])
@@ -98,7 +98,7 @@ fn torques_are_limited_on_request() {
     let before = ["plan", "--limit-torque", "lift.json", "--no-output"];
     iiwasim(&folder, &before).success().stdout(
         contains("A2 torque")
-            .and(contains("limits of velocity, acceleration, jerk and torque (100 %)")),
+            .and(contains("; limits: velocity, acceleration, jerk, torque (100 %)")),
     );
     plan(&folder, &file, &["--limit-torque=0"])
         .code(2)

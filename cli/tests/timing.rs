@@ -20,7 +20,7 @@ fn ptp_motions_can_start_as_in_sunrise() {
     let [sunrise, jerk] = ["sunrise", "jerk"].map(cycle_time);
     assert!(sunrise > 1.01 * jerk && sunrise < 1.2 * jerk, "{sunrise} {jerk}");
     let options = ["--no-output", "--timing", "sunrise"];
-    let said = "PTP motions from rest to rest as Sunrise plans them";
+    let said = "PTP motions from rest to rest: timing as recorded under Sunrise";
     plan(&folder, &program, &options).success().stdout(contains(said));
     // There are no recordings of an iiwa 14: its ramps are listed as an assumption.
     let options = ["--no-output", "--timing", "sunrise", "--robot", "lbr_iiwa_14_r820"];

@@ -65,7 +65,7 @@ MEASURED = [
         re.compile(r"^ *\d+ +\w+ +\d\.\d{3} +\d\.\d{3} +-?\d\.\d{4} +-?\d\.\d\d$"),
         [0, 0, 0.01, 0.01, 2],
     ),
-    (re.compile(r"^Cycle time .* real: off by"), [0, 0.01, 0.01, 0.2]),
+    (re.compile(r"^Cycle time .* measured: off by"), [0, 0.01, 0.01, 0.2]),
     # The response time of FRI depends on the load of the machine.
     (re.compile(r"^FRI +\w+, quality"), 1000),
     # Fits to noisy samples: velocity, acceleration and jerk limits.

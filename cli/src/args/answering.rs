@@ -6,18 +6,18 @@ use clap::Args;
 
 use super::values::{length_mm, seven};
 
-const SUNRISE: &str = "Applications of Sunrise projects";
+const SUNRISE: &str = "Applications of Sunrise projects (only with a project folder)";
 
 /// Application of a Sunrise project, and the answers to its questions.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Answering {
-    /// Application of a Sunrise project, by class, or by file if several files have this class;
-    /// without it, a project with several applications lists them
+    /// Class of the application, or its file if several files have this class. If the project has
+    /// several applications, and none is named, they are listed
     #[arg(long, value_name = "CLASS", help_heading = SUNRISE)]
     pub(crate) application: Option<String>,
 
     /// Answer to a dialog: its text, or a unique part of its text, and the button number from 0;
-    /// several numbers are used one after the other [default: 0]
+    /// several numbers answer repeated dialogs in turn [default: 0]
     #[arg(long, value_name = "TEXT=N[,N]...", help_heading = SUNRISE)]
     pub(crate) answer: Vec<String>,
 
@@ -30,7 +30,7 @@ pub(crate) struct Answering {
     pub(crate) data: Vec<String>,
 
     /// Result of a break condition, by file and line of `hasFired`, such as Search.java:29=true;
-    /// several values are used one after the other
+    /// several values answer repeated calls in turn
     #[arg(long, value_name = "FILE:LINE=BOOL[,BOOL]...", help_heading = SUNRISE)]
     pub(crate) fired: Vec<String>,
 
@@ -44,7 +44,8 @@ pub(crate) struct Answering {
     #[arg(long, value_name = "TOOL=X,Y,Z[,A,B,C]", help_heading = SUNRISE)]
     pub(crate) tool: Vec<String>,
 
-    /// Length of the media flange in mm, if the project does not state it or states it wrongly
+    /// Distance from the wrist to the flange face in mm (152 with a media flange Touch, 126 with
+    /// others), if the project does not state it or states it wrongly
     #[arg(long, value_name = "MM", value_parser = length_mm, help_heading = SUNRISE)]
     pub(crate) flange_mm: Option<f64>,
 

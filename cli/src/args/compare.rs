@@ -6,20 +6,20 @@ use clap::Args;
 
 use super::{LogReading, values::at_least_0};
 
-/// Compare a recording with a plan: cycle time error and path deviation.
+/// Compare a recording with a plan: cycle time error, path deviation, and torques if recorded.
 ///
-/// The cycle time error is the simulated time minus the real time, in s and in per cent of the real
-/// time. The real time lasts from leaving the start to arriving at the end, regardless of the
-/// recording before and after, plus the planned settling and waiting time at the end. The time of
-/// each motion is compared in the same way, between the planned start and end positions of the
-/// motion.
+/// The cycle time error is the planned time minus the measured time, in s and in per cent of the
+/// measured time. The measured time lasts from leaving the start to arriving at the end, regardless
+/// of the recording before and after, plus the planned standstill (settling and waits) before the
+/// first and after the last motion. The time of each motion is compared in the same way, between
+/// the planned start and end positions of the motion.
 ///
 /// The path is compared regardless of time: by the distance of each sample to the nearest point of
-/// the planned path, in joint space and at the flange, as mean along the path and maximum. Noise of
-/// the recording counts as distance.
+/// the planned path, in joint space (Euclidean norm of the seven angles) and at the flange, as mean
+/// along the path and maximum. Noise of the recording counts as distance.
 ///
 /// If the recording contains several runs of the program, the first run is used. A recording of
-/// another program, or of a part of the program, is refused.
+/// another program, or of a part of the program, is rejected.
 #[derive(Args, Debug)]
 pub(crate) struct Compare {
     /// The plan: an MCAP file of `iiwasim plan`

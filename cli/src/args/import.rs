@@ -12,22 +12,24 @@ use super::Answering;
 /// written, with file and line of each motion. The robot and its flange are read from the project;
 /// if the project does not state them, --robot and --flange-mm are asked for. Dialogs, inputs and
 /// process data are answered by options or by an answers file; each question is listed with its
-/// answer. Values that only a run can know are refused, with file, line and reason. If the project
-/// has several applications, they are listed with their open questions.
+/// answer. An application whose motions depend on values known only at run time is rejected, with
+/// file, line and reason. If the project has several applications, they are listed with their open
+/// questions.
 ///
 /// Given RoboticsAPI.data.xml, a project without Java, or --frames, frames and tools are written to
 /// a file that programs include. Parent frames become bases, other frames become targets, and
-/// taught parent frames become both; names are paths, such as Table/P1. Tool templates become tools
-/// with their load data: the default motion frame, or else the first frame, is the TCP, the others
-/// are tips, such as TOOL/TIP. Programs include the file with `"include": "frames.json"`; `ik
-/// --program frames.json --frame Table/P1` inspects a frame. The tables list imported, renamed and
-/// skipped entries, with reasons. Each taught frame is checked: the robot must reach it with the
-/// taught TCP, status and turn, within its joint limits. If many frames fail, the robot or its
-/// flange is wrong.
+/// taught parent frames become both; names are paths, such as Table/P1. Each tool template becomes
+/// a tool with its load data. Its default motion frame, or else its first frame, becomes the TCP;
+/// its other frames become tips, such as TOOL/TIP. Programs include the file with `"include":
+/// "frames.json"`; `ik --program frames.json --frame Table/P1` inspects a frame. The tables list
+/// imported, renamed and skipped entries, with reasons. Each taught frame is checked: the robot
+/// must reach it with the taught TCP, status and turn, within its joint limits. If many frames
+/// fail, the selected robot or flange is probably wrong.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub(crate) struct Import {
-    /// Sunrise project: its folder, or its file `RoboticsAPI.data.xml`; - reads standard input
+    /// Sunrise project: its folder, or its file `RoboticsAPI.data.xml`; - reads that file from
+    /// standard input
     #[arg(value_name = "PROJECT")]
     pub(crate) project: PathBuf,
 
@@ -47,7 +49,8 @@ pub(crate) struct Import {
     #[arg(long, conflicts_with = "no_output")]
     pub(crate) overwrite: bool,
 
-    /// Write a data file with all missing entries, to be filled in, and do not import
+    /// Write a `RoboticsAPI.data.xml` with the entries that the application needs and the project
+    /// lacks, to be filled in; do not import
     #[arg(long, value_name = "FILE.xml", conflicts_with_all = ["frames", "output", "no_output"])]
     pub(crate) write_data: Option<PathBuf>,
 

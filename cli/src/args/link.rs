@@ -202,9 +202,11 @@ pub(crate) struct CabinetFaults {
 
 /// Run a motion program on the robot, and compare its cycle time with the plan.
 ///
-/// The program is planned first, and the figures are printed. Then the drive runs it, and the
-/// measured joint positions are recorded as MCAP, with the torques as `effort` where the controller
-/// measures them. Ctrl-C stops the robot on its path; the recording until then is kept.
+/// The command needs a running `iiwasim drive` that is connected to the controller (--drive,
+/// --stream). The program is planned first, and the figures are printed. Then the drive runs the
+/// program, and the measured joint positions are recorded as MCAP, with the torques as `effort`
+/// where the controller measures them. Ctrl-C stops the robot on its path; the recording until then
+/// is kept.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Run {
@@ -225,22 +227,24 @@ pub(crate) struct Run {
     #[arg(long, conflicts_with = "output")]
     pub(crate) no_output: bool,
 
-    /// Send the planned trajectory over FRI instead of motions that the controller plans itself:
-    /// for controllers without all motion types
+    /// Plan with --timing jerk, and send set-points over FRI instead of motions that the controller
+    /// plans: for programs with motions that the robot program does not support
     #[arg(long)]
     pub(crate) as_trajectory: bool,
 
-    /// Scene in JSON (`iiwasim schema scene`): the clearance is printed, and a program below
-    /// --min-clearance does not run
+    /// Scene with obstacles in JSON (`iiwasim schema scene`): the clearance is printed, and the
+    /// program does not run if it is below --min-clearance
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
 
-    /// Minimum clearance of programs, in mm; the motion to the start is not checked
+    /// Smallest allowed distance of the arm to obstacles of --scene, in mm; the motion to the start
+    /// is not checked
     #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = at_least_0)]
     pub(crate) min_clearance: f64,
 
     /// First move to the start of the program in a straight line in joint space, at this share of
-    /// the velocity limits, in per cent; 10 without a value
+    /// the velocity limits, in per cent; 10 without a value. Without this option, the arm must be
+    /// at the start, within 0.5 deg per joint
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true,
         default_missing_value = "10", value_parser = percent_above_zero)]
     pub(crate) move_to_start: Option<f64>,
@@ -261,7 +265,7 @@ pub(crate) struct Run {
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
-    /// Address at which the drive publishes
+    /// Address of the drive's stream of joint positions and states, its second port
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,
@@ -305,7 +309,7 @@ pub(crate) struct Record {
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
-    /// Address at which the drive publishes
+    /// Address of the drive's stream of joint positions and states
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,
@@ -334,7 +338,7 @@ pub(crate) struct Status {
     #[arg(long)]
     pub(crate) watch: bool,
 
-    /// Address at which the drive publishes
+    /// Address of the drive's stream of joint positions and states
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,

@@ -7,13 +7,13 @@ use iiwa_log::{AngleUnit, LogOptions, Positions};
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct LogReading {
     /// Unit of joint positions if the columns do not name one (`DataRecorder` logs, `q1` to `q7`)
-    /// [default: rad; deg for `DataRecorder` logs with a position outside all ranges in rad]
+    /// [default: rad; deg for `DataRecorder` logs with a position that no joint can reach in rad]
     #[arg(long, value_enum, value_name = "UNIT")]
     unit: Option<AngleName>,
 
     /// Columns of a `DataRecorder` log: commanded positions (axisQCmd) or measured positions
-    /// (axisQMsr, with lag and noise) [default: measured; `identify` and `validate`: commanded;
-    /// else what the log has]
+    /// (axisQMsr, with lag and noise) [default: measured (`identify` and `validate`: commanded), or
+    /// the only ones in the log]
     #[arg(long, value_enum, value_name = "POSITIONS")]
     positions: Option<PositionKind>,
 }

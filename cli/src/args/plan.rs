@@ -13,7 +13,8 @@ use super::{
 };
 
 /// Heading of the advanced options.
-const METHOD: &str = "Methods of calculation (Larsen 2019)";
+const METHOD: &str =
+    "Methods of calculation (equation numbers: Larsen 2019, see docs/equations.md)";
 
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
@@ -40,7 +41,7 @@ const METHOD: &str = "Methods of calculation (Larsen 2019)";
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Plan {
     /// Motion program in JSON (`iiwasim schema` describes it), or a folder of them; - reads
-    /// standard input
+    /// standard input. With --application: the folder of a Sunrise project
     #[arg(value_name = "PROGRAM.json", required = true)]
     pub(crate) programs: Vec<PathBuf>,
 
@@ -61,21 +62,22 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 1024>)]
     pub(crate) jobs: Option<u16>,
 
-    /// Limits of the motion, kept within 0.1 % (velocity), 0.2 % (acceleration) and 2 % (jerk)
+    /// Timing method: the limits and laws that determine the speed. `jerk` exceeds velocity,
+    /// acceleration and jerk limits by at most 0.1, 0.2 and 2 %
     #[arg(long, value_enum, default_value_t = Timing::Sunrise, help_heading = METHOD)]
     pub(crate) timing: Timing,
 
     /// Also limit joint torques (link side) to this percentage of the robot's torque limits,
     /// instead of the program's value: motions that need more torque become slower. Programs that
-    /// need less are not affected. No public source says that Sunrise plans with the payload
-    /// [PERCENT: 1 to 1000, 100 if omitted]
+    /// need less are not affected. Off by default, because no public source says whether Sunrise
+    /// limits torques [PERCENT: 1 to 1000, 100 if omitted]
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true,
         default_missing_value = "100",
         value_parser = torque_percent)]
     pub(crate) limit_torque: Option<f64>,
 
-    /// Speed override of the controller in %, instead of the program's: scales motions, not pauses
-    /// and waits
+    /// Speed override of the controller in %, instead of the program's: slows down motions, but not
+    /// pauses and waits
     #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
     pub(crate) speed_override: Option<f64>,
 
@@ -107,7 +109,8 @@ pub(crate) struct Plan {
     pub(crate) rate: f64,
 
     /// Largest MCAP file to write, such as 500MB or 5GB (tables are three to six times as large).
-    /// The size is estimated before sampling: a very slow program may take months and fill any disk
+    /// The size is estimated before writing: the trajectory of a program that lasts for months
+    /// would fill any disk
     #[arg(long, value_name = "SIZE", default_value = "1GB")]
     pub(crate) max_file_size: ByteSize,
 
@@ -138,7 +141,7 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "MM", value_parser = at_least_0)]
     pub(crate) min_clearance: Option<f64>,
 
-    /// First time stamp in the file, from 1970 to 2037, such as 2020-01-01T00:00:00Z
+    /// First time stamp in the file, from 1970 to 2037 [default: 2020-01-01T00:00:00Z]
     #[arg(long, value_name = "TIME", value_parser = epoch)]
     pub(crate) epoch: Option<Duration>,
 
@@ -146,12 +149,12 @@ pub(crate) struct Plan {
     pub(crate) ros: RosNaming,
 
     /// Also print the assumptions about the controller that affect the cycle time; --json always
-    /// does
+    /// does, as `rests_on`
     #[arg(long)]
     pub(crate) assumptions: bool,
 
     /// Also print the solver's iterations for a single program with --timing jerk, on standard
-    /// error. Straight lines need no iterations
+    /// error. PTP motions without blends need no iterations
     #[arg(long, help_heading = METHOD)]
     pub(crate) trace: bool,
 
@@ -166,8 +169,9 @@ pub(crate) enum Timing {
     Acceleration,
     /// Velocity, acceleration and jerk
     Jerk,
-    /// As recorded on a real robot: PTP motions and splines from rest to rest as Sunrise plans them
-    /// (splines by a model); all other motions as jerk
+    /// As recorded on a real robot: PTP motions from rest to rest by the recorded law, splines from
+    /// rest to rest by a model that exceeds acceleration and jerk limits, all other motions as with
+    /// `jerk`, but with starts and stops as soft as recorded ones (an assumption)
     Sunrise,
 }
 
@@ -186,11 +190,11 @@ impl Timing {
 pub(crate) enum Shape {
     /// The blend of the LBR iiwa (Larsen 2019, Eq. 39)
     Iiwa,
-    /// Polynomial without shaping (Eq. 13)
+    /// Blend polynomial without the shape term kappa (Eq. 13)
     Alpha,
-    /// Polynomial of least mean acceleration (Eq. 26)
+    /// Blend polynomial with the smallest mean acceleration (Eq. 26)
     MinAcceleration,
-    /// Circle in joint space (Eq. 32); not with limits on jerk
+    /// Circle in joint space (Eq. 32); only with --timing acceleration
     Circle,
 }
 
@@ -207,12 +211,13 @@ impl From<Shape> for BlendShape {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Search {
-    /// The crossing of the sphere nearest to the target, provably
+    /// The point nearest to the target at which the motion crosses the sphere with the blend
+    /// radius; never misses a crossing
     FirstCrossing,
     /// Bisection (Larsen 2019, Algorithm 1)
     #[value(name = "algorithm-1")]
     Algorithm1,
-    /// Steps of 0.001 (Larsen 2019, Algorithm 2)
+    /// Steps of 0.001 of the motion's length; may miss crossings (Larsen 2019, Algorithm 2)
     #[value(name = "algorithm-2")]
     Algorithm2,
 }

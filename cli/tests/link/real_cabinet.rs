@@ -36,7 +36,7 @@ fn runs_are_timed_by_commanded_positions() {
         let program = rig.slow_program();
         // 3.289 s including a settle time of 0.050 s.
         let stated = "3\\.2[34][0-9] s from the first to the last change of the commanded \
-            positions, in cycles of 5 ms; the plan has 3.239 s there, without 0.050 s of standing \
+            positions, in cycles of 5 ms; in the plan 3.239 s, without 0.050 s of standstill \
             before and after";
         rig.iiwasim("run", &[program])
             .success()

@@ -26,7 +26,7 @@ use super::tables::Tables;
 /// Reads the scene of the options, if any.
 pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
     if options.arm.urdf.is_some() && options.scene.is_none() {
-        return Err(Failure::input("--urdf is what clearances are taken of: it needs a --scene"));
+        return Err(Failure::input("--urdf affects clearances only: it needs --scene"));
     }
     options.scene.as_deref().map(input::scene).transpose()
 }

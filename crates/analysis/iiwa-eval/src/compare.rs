@@ -334,8 +334,8 @@ impl Timing {
             if !edge.stands {
                 stands_elsewhere(plan, log, edge, name)?;
                 losses.push(format!(
-                    "the arm is not recorded standing at the {name} of the motion: it is taken to \
-                     stand where the plan does"
+                    "the recording does not show the arm at rest at the {name} of the motion: it is \
+                     assumed to be at rest where the plan is"
                 ));
             }
         }

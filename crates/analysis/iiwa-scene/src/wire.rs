@@ -108,27 +108,27 @@ fn obstacle(text: &str, index: usize, raw: &str) -> Result<Obstacle, SceneError>
 /// Types of obstacles.
 const KNOWN_TYPES: [&str; 2] = ["box", "plane"];
 
-/// What stands around a KUKA LBR iiwa, in the frame of its base: z up, origin in the middle of its foot.
+/// Obstacles around a KUKA LBR iiwa, in its base frame: z up, origin at the centre of its foot.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "iiwasim scene", rename = "Scene")]
 struct SceneWire<'a> {
-    /// Where the JSON Schema of this format is, for editors; nothing else uses it.
+    /// Path or address of the JSON Schema of this format, for editors; nothing else uses it.
     #[serde(default, rename = "$schema")]
     #[expect(dead_code, reason = "it is for editors")]
     schema: Option<String>,
     /// Version of this format.
     #[schemars(extend("const" = 1))]
     version: u64,
-    /// What the arm must not touch.
+    /// Obstacles that the arm must not touch.
     #[serde(borrow)]
     #[schemars(with = "Vec<ObstacleWire>", length(max = 10_000))]
     obstacles: Vec<&'a RawValue>,
-    /// What the arm carries: shapes in the flange's frame, z out of the flange.
+    /// Shapes of the tool on the flange, in the frame of the flange: z out of the flange.
     #[serde(default, borrow)]
     #[schemars(with = "Vec<ToolShapeWire>", length(max = 100))]
     tool: Vec<&'a RawValue>,
-    /// Pairs whose distances do not count, each a part of the arm and an obstacle by its name.
+    /// Pairs whose distance is ignored: a part of the arm and the name of an obstacle.
     #[serde(default, borrow)]
     #[schemars(with = "Vec<(IgnoredPart, String)>", length(max = 10_000))]
     ignore: Vec<&'a RawValue>,
@@ -163,31 +163,31 @@ enum PlaneTag {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Box")]
 struct BoxWire {
-    /// What the obstacle is called. No two have the same name.
+    /// Name of the obstacle, unique in the scene.
     #[schemars(length(min = 1, max = 100))]
     name: String,
     #[expect(dead_code, reason = "it has been looked at")]
     r#type: BoxTag,
-    /// The centre: x, y and z in mm.
+    /// Centre: x, y and z in mm.
     #[serde(deserialize_with = "three")]
     #[schemars(extend("items" = position()))]
     center_mm: [f64; 3],
-    /// The whole lengths along the box's own axes, in mm.
+    /// Edge lengths along the box's own axes, in mm.
     #[serde(deserialize_with = "three")]
     #[schemars(extend("items" = size()))]
     size_mm: [f64; 3],
-    /// How it is turned, as in a URDF: about x, then y, then z, the axes of the base, in degrees.
+    /// Rotation as in a URDF: about the x, then y, then z axis of the base, in degrees.
     #[serde(default, deserialize_with = "three")]
     #[schemars(extend("items" = angle()))]
     rpy_deg: [f64; 3],
 }
 
-/// A half-space: all that is behind the plane is solid.
+/// A half-space: everything behind the plane is solid.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Plane")]
 struct PlaneWire {
-    /// What the obstacle is called. No two have the same name.
+    /// Name of the obstacle, unique in the scene.
     #[schemars(length(min = 1, max = 100))]
     name: String,
     #[expect(dead_code, reason = "it has been looked at")]
@@ -196,7 +196,7 @@ struct PlaneWire {
     #[serde(deserialize_with = "three")]
     #[schemars(extend("items" = position()))]
     point_mm: [f64; 3],
-    /// Which way is out; of any length but zero.
+    /// Vector out of the solid side, of any length above zero.
     #[serde(deserialize_with = "three")]
     #[schemars(extend("contains" = { "not": { "const": 0 } }))]
     normal: [f64; 3],

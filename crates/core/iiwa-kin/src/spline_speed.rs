@@ -1,7 +1,8 @@
 //! Speed along splines under Sunrise.
 
-/// Model of the TCP speed v along a spline from rest to rest. **A model, not a law**: it predicts
-/// recorded durations within 3 %; docs/evidence.md has the errors.
+/// Model of the TCP speed v along a spline from rest to rest. **A model, not a law**: it matches
+/// recorded durations within 2 % (2.7 % for splines left out of the fit); docs/evidence.md has the
+/// errors.
 ///
 /// With the joints q as a function of the TCP path length, V and A the joint limits, D the length
 /// from rest to rest:

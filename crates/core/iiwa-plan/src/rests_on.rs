@@ -16,12 +16,12 @@ pub struct AssumptionRecord {
     pub first: usize,
 }
 
-const BLEND: &str = "blends: within limits of jerk, with ramps next to rest as soft as recorded \
-                     ones; no blend has been recorded";
-const PATH: &str = "LIN and CIRC: within limits of jerk, with ramps next to rest as soft as those \
-                    of recorded SPL; neither has been recorded";
-const SPLINE: &str =
-    "splines: the speed along them by a model, which meets recorded durations within 3 %";
+const BLEND: &str = "blends: jerk limits, with starts and stops as soft as recorded ones; no blend \
+                     has been recorded";
+const PATH: &str = "LIN and CIRC: jerk limits, with starts and stops as soft as those of recorded \
+                    SPL; neither has been recorded";
+const SPLINE: &str = "splines: a model of their speed, which matches recorded durations within 2 % \
+                      (2.7 % for splines left out of the fit)";
 const CRUISE: &str = "PTP without a cruise or without a plateau of acceleration: the law of ramps \
                       is continued to where nothing was recorded";
 const LOAD: &str = "load: ramps take it for a part of the arm; no recording has one";

@@ -39,7 +39,7 @@ pub struct PowerRecord {
 }
 
 /// The torque of a plan with the largest share of its limit. Displayed for example as
-/// `61 % of A2's, -107.3 Nm in motion 1 at 0.214 s`.
+/// `A2 at 61 % of its limit (-107.3 Nm), in motion 1 at 0.214 s`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LargestTorque {
     /// Motion number, from 1.
@@ -59,7 +59,8 @@ impl fmt::Display for LargestTorque {
         let Self { motion, joint, percent, torque_nm, at_s } = self;
         write!(
             f,
-            "{percent:.0} % of {joint}'s, {torque_nm:.1} Nm in motion {motion} at {at_s:.3} s"
+            "{joint} at {percent:.0} % of its limit ({torque_nm:.1} Nm), in motion {motion} \
+             at {at_s:.3} s"
         )
     }
 }

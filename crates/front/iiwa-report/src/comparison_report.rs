@@ -12,6 +12,7 @@ use crate::{
     signed::{rounded, signed},
     stated_time::stated_time,
     table::{shortened, table},
+    validation_report::UNKNOWN,
 };
 
 /// Comparison of a recording with a plan. As JSON, this is the object of `iiwasim compare --json`.
@@ -265,7 +266,7 @@ impl ComparisonReport {
     /// Formats the report as tables and sentences.
     #[must_use]
     pub fn text(&self) -> String {
-        let head = ["motion", "type", "planned s", "real s", "error s", "error %"];
+        let head = ["motion", "type", "planned s", "measured s", "error s", "error %"];
         let mut motions = table(&head);
         shortened(&mut motions, &self.motions, |table, row| {
             // Unknown times are shown as `?`; a zero time has no relative error.
@@ -287,10 +288,13 @@ impl ComparisonReport {
             ]);
         });
         let mut text = format!("{motions}\n\n");
+        if self.motions.iter().any(|row| row.real_s.is_none() || row.error_s.is_none()) {
+            text.push_str(UNKNOWN);
+        }
         let cycle = &self.cycle_time;
         let _ = writeln!(
             text,
-            "Cycle time  {:.3} s simulated, {:.3} s real: off by {} s, {} %",
+            "Cycle time  {:.3} s planned, {:.3} s measured: off by {} s, {} %",
             cycle.simulated_s,
             cycle.real_s,
             signed(cycle.error_s, 4),
@@ -298,8 +302,7 @@ impl ComparisonReport {
         );
         let _ = writeln!(
             text,
-            "            of which {:.3} s are the plan's standing at the start and the end, in \
-             both",
+            "            Both include the plan's standstill at the start and the end, {:.3} s",
             cycle.standing_s
         );
         if let Some(stated_s) = cycle.stated_s {

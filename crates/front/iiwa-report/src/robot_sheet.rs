@@ -12,6 +12,7 @@ use crate::table::table;
 pub fn robot_sheet(robot: &Robot) -> String {
     let mut text = format!("{}\n\n", robot.name());
 
+    text.push_str("Denavit-Hartenberg parameters\n");
     let mut dh = table(&["joint", "a mm", "alpha deg", "d mm"]);
     for (joint, row) in robot.dh().iter().enumerate() {
         dh.add_row([
@@ -25,8 +26,9 @@ pub fn robot_sheet(robot: &Robot) -> String {
     let flange_mm = rounded(robot.lengths().flange_m * 1e3);
     let _ = writeln!(
         text,
-        "d of A7 is the flange: {flange_mm} mm from the wrist. With another one, as the plain \
-         flange of\n126 mm, use a profile with \"lengths_mm\": {{\"flange\": 126}}\n"
+        "d of A7 is the distance from the wrist to the flange face: {flange_mm} mm. For another \
+         flange, such\nas the plain one of 126 mm, write \"flange_mm\": 126 in the program, or \
+         use a profile with\n\"lengths_mm\": {{\"flange\": 126}}\n"
     );
 
     let limits = robot.limits();
@@ -55,15 +57,17 @@ pub fn robot_sheet(robot: &Robot) -> String {
     };
     kappa("blends", robot.blend_kappa());
     if robot.tcp_blend_kappa() != robot.blend_kappa() {
-        kappa("blends of paths of the TCP", robot.tcp_blend_kappa());
+        kappa("blends of TCP paths", robot.tcp_blend_kappa());
     }
-    let _ =
-        writeln!(text, "Settles for {} s after a motion without a blend", robot.settle_time_s());
     let _ = writeln!(
         text,
-        "Stands for {} s after a motion that the program waits for; T1 holds TCP and flange at {} \
-         mm/s",
-        robot.blocking_pause_s(),
+        "Standstill after a stop: {} s, or {} s if the program waits for the end of the motion",
+        robot.settle_time_s(),
+        robot.blocking_pause_s()
+    );
+    let _ = writeln!(
+        text,
+        "In T1, TCP and flange are limited to {} mm/s",
         rounded(1e3 * robot.t1_speed_m_s())
     );
 

@@ -15,7 +15,7 @@ pub(crate) fn stated_time(
     match timed_by {
         CycleClock::CommandedPosition => format!(
             "{stated_s:.3} s from the first to the last change of the commanded positions{cycles}; \
-             the plan has {:.3} s there, without {standing_s:.3} s of standing before and after",
+             in the plan {:.3} s, without {standing_s:.3} s of standstill before and after",
             plan_s - standing_s
         ),
         _ => format!("{stated_s:.3} s by the robot program's clock{cycles}"),

@@ -163,7 +163,7 @@ impl Summary {
             "motions",
             "cycle time s",
             "motion s",
-            "standing s",
+            "at rest s",
             "limited by",
             "torque %",
         ];

@@ -106,32 +106,31 @@ pub fn plan_table(figures: &PlanFigures) -> String {
     limits.extend((figures.timing != "acceleration").then_some("jerk"));
     let torque = figures.limit_torque_percent.map(|percent| format!("torque ({percent} %)"));
     limits.extend(torque.as_deref());
-    let last = limits.pop().unwrap_or_default();
-    let _ = writeln!(text, "{}, limits of {} and {last}", figures.robot, limits.join(", "));
+    let _ = writeln!(text, "Planned for {}; limits: {}", figures.robot, limits.join(", "));
     if figures.timing == "sunrise" {
-        text.push_str("PTP motions from rest to rest as Sunrise plans them\n");
+        text.push_str("PTP motions from rest to rest: timing as recorded under Sunrise\n");
         if figures.motions.iter().any(|motion| ["spline", "spl"].contains(&&*motion.r#type)) {
-            text.push_str("Splines by a model, which exceeds limits of acceleration and jerk\n");
+            text.push_str(
+                "Splines: a model of Sunrise, which exceeds acceleration and jerk limits\n",
+            );
         }
     }
     if let Some(percent) = figures.override_percent {
-        let _ = writeln!(
-            text,
-            "Override {percent} %: motions take longer by it, pauses and waits do not"
-        );
+        let _ =
+            writeln!(text, "Override {percent} %: slows down motions, but not pauses and waits");
     }
     if let Some(largest) = figures.largest_torque() {
-        let _ = writeln!(text, "Torque at most {largest}");
+        let _ = writeln!(text, "Largest torque: {largest}");
     }
     if let (Some(EnergyRecord { positive, negative }), Some(power)) =
         (&figures.energy_j, &figures.power)
     {
-        let [done, back] = [positive, negative].map(|work| work.iter().sum::<f64>().abs());
+        let [delivered, absorbed] = [positive, negative].map(|work| work.iter().sum::<f64>().abs());
         let PowerRecord { peak_w, at_s } = power;
         let _ = writeln!(
             text,
-            "Joints, link side: {done:.1} J of work, {back:.1} J back, at most {peak_w:.0} W at \
-             {at_s:.3} s"
+            "Joints (link side): {delivered:.1} J delivered, {absorbed:.1} J absorbed, peak power \
+             {peak_w:.0} W at {at_s:.3} s"
         );
     }
     if let Some(nearest) = &figures.clearance {
@@ -179,8 +178,8 @@ fn shortened_lines<T>(text: &mut String, all: &[T], line: impl Fn(&T) -> String)
 fn late_blend(late: &LateBlendRecord) -> String {
     let LateBlendRecord { after_motion, known_s, needed_s } = late;
     format!(
-        "Blend after motion {after_motion} too late: what follows is known at {known_s:.3} s, \
-         needed by {needed_s:.3} s"
+        "Blend after motion {after_motion} missed: the next motion is known at {known_s:.3} s, but \
+         was needed by {needed_s:.3} s"
     )
 }
 

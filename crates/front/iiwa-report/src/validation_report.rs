@@ -83,6 +83,9 @@ struct Spread {
 /// Threshold: if most motions deviate by more, the robot ran with other settings.
 const SLOWER_PERCENT: f64 = -8.0;
 
+/// Legend of the symbol for missing values.
+pub(crate) const UNKNOWN: &str = "?: cannot be determined from the recording\n\n";
+
 const PLAN: &str = "the recording is a plan: nothing of it was measured on a robot";
 
 const SLOWER: &str = "most motions took far longer than planned: was the robot in T1, which caps \
@@ -152,8 +155,15 @@ impl ValidationReport {
     /// Formats the report as a table and sentences.
     #[must_use]
     pub fn text(&self) -> String {
-        let head =
-            ["motion", "type", "planned s", "measured s", "error %", "joint off deg", "TCP off mm"];
+        let head = [
+            "motion",
+            "type",
+            "planned s",
+            "measured s",
+            "error %",
+            "joint off deg",
+            "flange off mm",
+        ];
         let mut rows = table(&head);
         let known = |value: Option<f64>, digits: u8| {
             let precision = usize::from(digits);
@@ -176,17 +186,24 @@ impl ValidationReport {
             ]);
         });
         let mut text = format!("{}\n\n", rows.trim_fmt());
+        let is_unknown = |row: &ValidatedMotion| {
+            let moves = row.r#type != MotionType::Wait.name() && row.planned_s > 0.0;
+            row.measured_s.is_none() || moves && row.joint_off_deg.is_none()
+        };
+        if self.motions.iter().any(is_unknown) {
+            text.push_str(UNKNOWN);
+        }
         let score = &self.score;
         for (quantity, spread, digits, unit) in [
             ("Time      ", score.time_percent, 2, "%"),
             ("Joints    ", score.joint_off_deg, 4, "deg"),
-            ("TCP       ", score.tcp_off_mm, 3, "mm"),
+            ("Flange    ", score.tcp_off_mm, 3, "mm"),
         ] {
             let Some(Spread { median, most: max, worst }) = spread else { continue };
             let _ = writeln!(
                 text,
-                "{quantity}  off by {median:.digits$} {unit} (median), {max:.digits$} {unit} (95 % \
-                 of the motions), {worst:.digits$} {unit} (worst)"
+                "{quantity}  off by {median:.digits$} {unit} (median), {max:.digits$} {unit} (95th \
+                 percentile), {worst:.digits$} {unit} (maximum)"
             );
         }
         let cycle = signed(score.cycle_time_percent, 2);

@@ -1,7 +1,7 @@
 //! KUKA LBR iiwa in Rust: the path of the arm through a program, and its cycle time.
 //!
-//! One dependency for all libraries of the workspace; each is a module here, behind a feature with
-//! the same name.
+//! One dependency for planning, files, reports, web pages, the link and the bridge. Each library is
+//! a module here, most behind a feature with the same name.
 //!
 //! ```
 //! use iiwa::prelude::*;
@@ -24,7 +24,8 @@
 //! | `plan` (default) | `json`, `program`, `path`, `solver`, `traj`, `plan` | motion programs, paths, time-optimal trajectories |
 //! | `scene` | `scene` | obstacles and clearances |
 //! | `sunrise` | `sunrise` | Sunrise projects: frames and tools, applications as programs, programs as projects |
-//! | `log` | `log` | trajectories and recordings as MCAP files, trajectories also as tables in CSV and Parquet |
+//! | `log` | `log` | trajectories and recordings as MCAP files, trajectories also as CSV tables, recordings from other formats |
+//! | `parquet` | in `log` | trajectories as Parquet tables, recordings from Parquet |
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
 //! | `link` | `link` | the client of a drive |

@@ -152,7 +152,12 @@ fn of_the_program(program: &Program) -> Vec<ExportNotice> {
         note(None, "mount", "the configuration of the station states the mounting of the robot");
     }
     if workcell.torque_limit_rel.is_some() {
-        note(None, "torque_limit_percent", "Sunrise plans by its own model of torques");
+        note(
+            None,
+            "limit_torque_percent",
+            "no public source says whether Sunrise limits torques: motions may be faster than \
+             planned",
+        );
     }
     if workcell.speed_override.is_some() {
         note(None, "override_percent", "the override is set on the smartPAD");

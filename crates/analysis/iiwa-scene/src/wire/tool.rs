@@ -13,7 +13,7 @@ use crate::{
     tool::{ToolForm, ToolShape},
 };
 
-/// A shape of the tool, in the flange's frame: z out of the flange.
+/// A shape of the tool, in the frame of the flange: z out of the flange.
 #[derive(JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "ToolShape")]
@@ -44,7 +44,7 @@ macro_rules! shape_wire {
         pub(super) struct $name {
             #[expect(dead_code, reason = "it has been looked at")]
             r#type: $tag,
-            /// The centre: x, y and z in mm.
+            /// Centre: x, y and z in mm.
             #[serde(deserialize_with = "three")]
             #[schemars(extend("items" = position()))]
             center_mm: [f64; 3],
@@ -57,11 +57,11 @@ shape_wire! {
     /// A solid box.
     #[schemars(rename = "ToolBox")]
     ToolBoxWire, ToolBoxTag = "box" {
-        /// The whole lengths along the box's own axes, in mm.
+        /// Edge lengths along the box's own axes, in mm.
         #[serde(deserialize_with = "three")]
         #[schemars(extend("items" = size()))]
         size_mm: [f64; 3],
-        /// How it is turned: about x, then y, then z, the axes of the flange, in degrees.
+        /// Rotation about the x, then y, then z axis of the flange, in degrees.
         #[serde(default, deserialize_with = "three")]
         #[schemars(extend("items" = angle()))]
         rpy_deg: [f64; 3],
@@ -72,13 +72,13 @@ shape_wire! {
     /// A cylinder along its own z axis.
     #[schemars(rename = "ToolCylinder")]
     ToolCylinderWire, ToolCylinderTag = "cylinder" {
-        /// The radius, in mm.
+        /// Radius, in mm.
         #[schemars(with = "serde_json::Value", extend("type" = "number", "minimum" = 1e-3))]
         radius_mm: f64,
-        /// The whole length, in mm.
+        /// Length, in mm.
         #[schemars(with = "serde_json::Value", extend("type" = "number", "minimum" = 1e-3))]
         length_mm: f64,
-        /// How it is turned: about x, then y, then z, the axes of the flange, in degrees.
+        /// Rotation about the x, then y, then z axis of the flange, in degrees.
         #[serde(default, deserialize_with = "three")]
         #[schemars(extend("items" = angle()))]
         rpy_deg: [f64; 3],
@@ -86,10 +86,10 @@ shape_wire! {
 }
 
 shape_wire! {
-    /// A ball.
+    /// A sphere.
     #[schemars(rename = "ToolSphere")]
     ToolSphereWire, ToolSphereTag = "sphere" {
-        /// The radius, in mm.
+        /// Radius, in mm.
         #[schemars(with = "serde_json::Value", extend("type" = "number", "minimum" = 1e-3))]
         radius_mm: f64,
     }
@@ -109,18 +109,18 @@ pub(super) enum ToolMeshTag {
 pub(super) struct ToolMeshWire {
     #[expect(dead_code, reason = "it has been looked at")]
     r#type: ToolMeshTag,
-    /// A file *.stl (binary or ASCII) or *.obj, beside the scene or in a folder below it.
+    /// Mesh file: *.stl (binary or ASCII) or *.obj, beside the scene or in a folder below it.
     #[schemars(regex(pattern = r"\.([sS][tT][lL]|[oO][bB][jJ])$"))]
     file: String,
-    /// Where the mesh's origin is: x, y and z in mm.
+    /// Position of the mesh's origin: x, y and z in mm.
     #[serde(default, deserialize_with = "three")]
     #[schemars(extend("items" = position()))]
     origin_mm: [f64; 3],
-    /// How it is turned: about x, then y, then z, the axes of the flange, in degrees.
+    /// Rotation about the x, then y, then z axis of the flange, in degrees.
     #[serde(default, deserialize_with = "three")]
     #[schemars(extend("items" = angle()))]
     rpy_deg: [f64; 3],
-    /// How many mm a number of the file is: 1 as most CAD writes it, 1000 if the file is in m.
+    /// Length unit of the file, in mm: 1 as in most CAD files, 1000 if the file is in m.
     #[serde(default = "one")]
     #[schemars(extend("minimum" = MIN_SCALE, "maximum" = MAX_SCALE))]
     scale: f64,

@@ -21,7 +21,7 @@ function writeHead() {
   const seconds = (value) => `${number(value, 3)} s`;
   const arm = (it) => `${it.samples} samples${it.rate_hz ? `, ${number(it.rate_hz, 0)} Hz` : ""}`;
   const summary = {
-    plan: `Plan for ${report.robot.name}, limits of velocity${figures.timing === "acceleration" ? " and acceleration" : ", acceleration and jerk"}`,
+    plan: `Plan for ${report.robot.name}, ${figures.timing === "acceleration" ? "velocity and acceleration" : "velocity, acceleration and jerk"} limits`,
     part: `Part of a plan for ${report.robot.name}: ${arm(first)}`,
     recording: `Recording of ${report.robot.name}: ${arm(first)}`,
   };
@@ -43,7 +43,7 @@ function writeHead() {
     figure(list, `largest torque: A${joint} in motion ${motion}`, `${number(percent, 0)} %`);
     figure(
       list,
-      "work of the joints, and back",
+      "work delivered, absorbed",
       `${sum(energy.positive)} J, ${sum(energy.negative)} J`,
     );
     figure(list, `peak power, at ${number(power.at_s, 3)} s`, `${number(power.peak_w, 0)} W`);

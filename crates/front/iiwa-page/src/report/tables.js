@@ -120,7 +120,7 @@ function writeMotions() {
   if (hasTcp) names.push("TCP mm/s", "nearest singularity");
   const hasTorque = rows.some((row) => row.torque);
   if (hasTorque) names.push("top torque");
-  if (measured) names.push("real s", "error s", "error %");
+  if (measured) names.push("measured s", "error s", "error %");
   const hasSource = rows.some((row) => row.source);
   if (hasSource) names.push("source");
   names.push("limited by");
