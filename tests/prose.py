@@ -1,11 +1,12 @@
-"""Counts habits of language that make texts hard to read, and long lines.
+"""Counts habits of language that make texts hard to read, long lines, and ambiguous type names.
 
     tests/prose.py                   counts, compared with tests/prose.json: fails if one has risen
     tests/prose.py --places HABIT    each place, as FILE:LINE: text
     tests/prose.py --renew           writes the counts of now
 
 Rust, Java and JavaScript are searched in their comments, Python in comments and docstrings,
-Markdown outside of code blocks.
+Markdown outside of code blocks. A type name is ambiguous if several crates define it with different
+meanings.
 """
 
 from __future__ import annotations
@@ -39,6 +40,58 @@ HABITS = {
     "ellipsis": re.compile(r"^(That|Those|The same) (of|for)\b|\b\w+s a (second|minute)\b"),
 }
 LONG = "line above 100 columns"
+AMBIGUOUS = "type name of several crates"
+# Type names that several crates may define, by reason, with these crates.
+SAME_MEANING = {
+    "ROS messages are named as in ROS": {
+        "Header": "bridge log ros2",
+        "JointState": "bridge log ros2",
+        "JointTrajectory": "log ros2",
+        "JointTrajectoryPoint": "log ros2",
+        "Text": "log ros2",
+        "Time": "bridge log ros2",
+        "TransformStamped": "log ros2",
+    },
+    "Argument structs are named after their command or option": {
+        "Bridge": "bridge cli",
+        "BrokerAccess": "bridge cli",
+        "Cabinet": "cabinet cli",
+        "Drive": "cli drive",
+        "History": "bridge cli",
+        "Import": "cli sunrise",
+        "Kafka": "bridge cli",
+        "Mqtt": "bridge cli",
+        "OpcUa": "cli opcua",
+        "Plan": "cli plan",
+        "RetimeGoals": "cli ros2",
+        "Robot": "cli kin",
+        "Ros2": "cli ros2",
+        "Run": "cli link",
+        "Sensors": "cli link",
+        "Status": "cli kin",
+        "Timing": "cli traj",
+        "Twin": "cli twin",
+    },
+    "Python wrappers are named after the type that they wrap": {
+        "Clearance": "python scene",
+        "Comparison": "eval python",
+        "Plan": "plan python",
+        "Program": "program python",
+        "Recording": "log python",
+        "Robot": "kin python",
+        "Scene": "python scene",
+    },
+    "The Python package has the type of the command line, and shares no crate with it": {
+        "Workplace": "cli python",
+    },
+}
+TYPE = re.compile(
+    r"^\s*(?:pub(?:\([^)]*\))? )?(?:unsafe )?(?:struct|enum|trait) (\w+)"
+    # Indented aliases are associated types, or local.
+    r"|^(?:pub(?:\([^)]*\))? )?type (\w+)"
+)
+# Folders of crates, without the prefix of crate names; tests are not searched.
+CRATE = re.compile(r"(?:crates/\w+/iiwa-|(?=cli/|python/))(\w+)/src/(?!.*tests[/.])")
 
 
 def c_like(text: str) -> Iterator[tuple[int, str, bool]]:
@@ -85,8 +138,9 @@ def places() -> Iterator[tuple[str, str, int, str]]:
     """Each habit with its file, line and text."""
     listed = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True
-    ).stdout
-    for name in listed.splitlines():
+    ).stdout.splitlines()
+    yield from ambiguous(listed)
+    for name in listed:
         path = ROOT / name
         suffix = path.suffix
         if (
@@ -115,6 +169,31 @@ def places() -> Iterator[tuple[str, str, int, str]]:
                 yield LONG, name, number, line
 
 
+def ambiguous(files: list[str]) -> Iterator[tuple[str, str, int, str]]:
+    """Type names that more than one crate defines; each name is one place, its first definition."""
+    crates: dict[str, set[str]] = {}
+    first: dict[str, tuple[str, int]] = {}
+    for name in files:
+        crate = CRATE.match(name)
+        if not crate or not name.endswith(".rs"):
+            continue
+        code = re.split(r"#\[cfg\(test\)\]\s+mod \w+ \{", (ROOT / name).read_text())[0]
+        for number, line in enumerate(code.splitlines(), 1):
+            if match := TYPE.match(line):
+                type_name = match[1] or match[2]
+                crates.setdefault(type_name, set()).add(crate[1])
+                first.setdefault(type_name, (name, number))
+    for type_name, found in crates.items():
+        same = {
+            crate
+            for names in SAME_MEANING.values()
+            for crate in names.get(type_name, "").split()
+        }
+        # Crates of one meaning count as one crate.
+        if len(found - same) + bool(found & same) > 1:
+            yield AMBIGUOUS, *first[type_name], f"{type_name}: {', '.join(sorted(found))}"
+
+
 def main() -> None:
     found = list(places())
     if "--places" in sys.argv:
@@ -124,7 +203,7 @@ def main() -> None:
                 print(f"{name}:{number}: {text}")
         return
     counts = Counter(habit for habit, *_ in found)
-    counts = {habit: counts[habit] for habit in (*HABITS, LONG)}
+    counts = {habit: counts[habit] for habit in (*HABITS, LONG, AMBIGUOUS)}
     if "--renew" in sys.argv:
         BASELINE.write_text(json.dumps(counts, indent=2) + "\n")
     baseline = json.loads(BASELINE.read_text())

@@ -49,7 +49,7 @@ use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, builder::Res
 use crate::{
     failure::{Failure, print_note},
     features,
-    settings::{self, Settings},
+    settings::{self, SettingsFile},
 };
 
 pub(crate) use answering::Answering;
@@ -60,7 +60,7 @@ pub(crate) use bridge_ros2::{RetimeGoals, Ros2};
 pub(crate) use compare::Compare;
 pub(crate) use identify::Identify;
 pub(crate) use log_reading::LogReading;
-pub(crate) use model::{Fk, Format, Ik, Place, Robot, Schema};
+pub(crate) use model::{Fk, Ik, OutputFormat, Robot, Schema, ToolAndBase};
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
@@ -109,7 +109,7 @@ fn help() -> String {
 #[command(name = "iiwasim", version = features::version(), after_help = help())]
 pub(crate) struct Arguments {
     #[command(subcommand)]
-    pub(crate) command: Command,
+    pub(crate) command: CliCommand,
 }
 
 impl Arguments {
@@ -130,7 +130,7 @@ impl Arguments {
 
     /// Parses the arguments of this process with these settings as defaults; exits on wrong usage,
     /// and after printing help.
-    pub(crate) fn read(settings: &Settings) -> Self {
+    pub(crate) fn read(settings: &SettingsFile) -> Self {
         let command = Self::command_line().mut_subcommands(|command| settings.apply(command));
         let arguments = with_optional_values(std::env::args_os());
         let matches = command
@@ -176,7 +176,7 @@ fn with_optional_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsStri
 }
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum Command {
+pub(crate) enum CliCommand {
     Plan(Plan),
     Compare(Compare),
     Report(Report),

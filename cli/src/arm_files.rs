@@ -10,7 +10,7 @@ use iiwa_kin::Robot;
 use iiwa_page::ArmSource;
 use iiwa_scene::{ArmMeshError, ArmMeshes};
 
-use crate::{args::Urdf, failure::Failure, input::Text};
+use crate::{args::Urdf, failure::Failure, input::FileText};
 
 /// URDF of the arm, with its package folders.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ pub(crate) struct ArmFiles(Arc<Files>);
 #[derive(Debug)]
 struct Files {
     path: PathBuf,
-    text: Text,
+    text: FileText,
     packages: Vec<PathBuf>,
 }
 
@@ -27,7 +27,7 @@ impl ArmFiles {
     /// Reads the URDF of the options, if given.
     pub(crate) fn new(options: &Urdf) -> Result<Option<Self>, Failure> {
         let Some(path) = options.urdf.clone() else { return Ok(None) };
-        let text = Text::read(&path)?;
+        let text = FileText::read(&path)?;
         let packages = options.package_path.clone();
         if let Some(missing) = packages.iter().find(|folder| !folder.is_dir()) {
             return Err(Failure::input(format!(
@@ -51,7 +51,7 @@ impl ArmFiles {
 
     /// Converts an error of the URDF to a failure, with its place in the text if known.
     pub(crate) fn failure(&self, error: &ArmMeshError) -> Failure {
-        let Text { name, text } = &self.0.text;
+        let FileText { name, text } = &self.0.text;
         match error.place() {
             Some(place) => Failure::in_text(&error.message(), place, name, text),
             None => Failure::input(format!("{name}: {error}")),

@@ -4,7 +4,7 @@ use std::{error::Error, io::Write as _, ops::Range, path::Path};
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use iiwa_files::{OutputError, folder_of};
-use iiwa_json::{Place, printable};
+use iiwa_json::{JsonPlace, printable};
 use iiwa_page::PageError;
 use iiwa_program::ProgramError;
 use iiwa_report::{ReportError, with_causes};
@@ -31,7 +31,7 @@ impl Failure {
     }
 
     /// Creates a failure for a fault at a place in a text.
-    pub(crate) fn in_text(message: &str, place: &Place, name: &str, text: &str) -> Self {
+    pub(crate) fn in_text(message: &str, place: &JsonPlace, name: &str, text: &str) -> Self {
         // Only the beginning of a long object is marked.
         let marked = place.span.start..place.span.end.min(place.span.start + 60);
         let excerpt = can_be_shown(text, place).then(|| Excerpt {
@@ -193,7 +193,7 @@ pub(crate) fn print_note(text: &str) {
 }
 
 /// Returns true if the lines around a place can be shown: short, without control characters.
-fn can_be_shown(text: &str, place: &Place) -> bool {
+fn can_be_shown(text: &str, place: &JsonPlace) -> bool {
     const MAX_LINE: usize = 400;
     let from = text[..place.span.start].rfind('\n').map_or(0, |newline| newline + 1);
     let to = text[from..].lines().take(3).map(str::len).max().unwrap_or(0);

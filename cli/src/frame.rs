@@ -6,7 +6,7 @@ use iiwa_program::{Target, TargetRef, Workcell};
 use serde::Serialize;
 
 use crate::{
-    args::Place,
+    args::ToolAndBase,
     failure::Failure,
     input::{self, default_robot, find_robot},
 };
@@ -16,7 +16,7 @@ use crate::{
 pub(crate) struct Workplace {
     pub(crate) robot: Robot,
     workcell: Workcell,
-    place: Place,
+    place: ToolAndBase,
     tcp: Pose,
     base: Pose,
 }
@@ -24,7 +24,7 @@ pub(crate) struct Workplace {
 impl Workplace {
     /// Creates the workplace with the robot, and the tool and the base of the options, or those of
     /// the program.
-    pub(crate) fn new(robot: Option<&str>, place: &Place) -> Result<Self, Failure> {
+    pub(crate) fn new(robot: Option<&str>, place: &ToolAndBase) -> Result<Self, Failure> {
         let (workcell, robot) = if let Some(path) = &place.program {
             input::workcell(path, robot)?
         } else {

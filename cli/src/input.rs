@@ -25,12 +25,12 @@ use crate::{
 
 /// Name and text of a file.
 #[derive(Debug)]
-pub(crate) struct Text {
+pub(crate) struct FileText {
     pub(crate) name: String,
     pub(crate) text: String,
 }
 
-impl Text {
+impl FileText {
     /// Reads a file, or standard input for `-`.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let (name, bytes) = if path == Path::new("-") {
@@ -105,12 +105,12 @@ impl Input {
 
 /// Reads a program with the files that it names; `robot` overrides its own robot.
 pub(crate) fn program(path: &Path, robot: Option<&str>) -> Result<Input, Failure> {
-    program_of(path, Text::read(path)?, robot)
+    program_of(path, FileText::read(path)?, robot)
 }
 
 /// Reads the tools, bases and frames of a program, or of a file for inclusion; and the robot.
 pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Robot), Failure> {
-    let text = Text::read(path)?;
+    let text = FileText::read(path)?;
     match Workcell::from_json(&text.text) {
         Ok(workcell) => {
             return Ok((workcell, robot.map_or_else(default_robot, find_robot)?));
@@ -128,7 +128,7 @@ pub(crate) fn workcell(path: &Path, robot: Option<&str>) -> Result<(Workcell, Ro
 /// Creates the input for the program read from `path`.
 fn program_of(
     path: &Path,
-    Text { name, text }: Text,
+    FileText { name, text }: FileText,
     robot: Option<&str>,
 ) -> Result<Input, Failure> {
     let source = ProgramSource::beside(path, &text).map_err(|error| {
@@ -152,7 +152,7 @@ pub(crate) fn request(source: &ProgramSource, robot: Option<&str>) -> Result<Pla
 
 /// Reads a scene with the meshes that it names.
 pub(crate) fn scene(path: &Path) -> Result<Scene, Failure> {
-    let Text { name, text } = Text::read(path)?;
+    let FileText { name, text } = FileText::read(path)?;
     Scene::from_json_with(&text, |name| mesh(path, name)).map_err(|error| {
         other_kind(&name, &text, JsonKind::Scene, "scene").map_or_else(
             || Failure::in_text(&error.message(), error.place(), &name, &text),
@@ -204,13 +204,13 @@ pub(crate) fn find_robot(name: &str) -> Result<Robot, Failure> {
     let path = Path::new(name);
     match Robot::built_in(name) {
         Some(robot) => Ok(robot),
-        None if path.is_file() => robot_of(&Text::read(path)?),
+        None if path.is_file() => robot_of(&FileText::read(path)?),
         None => Err(Failure::input(unknown_robot(name, path))),
     }
 }
 
 /// Returns the robot of a profile.
-fn robot_of(Text { name, text }: &Text) -> Result<Robot, Failure> {
+fn robot_of(FileText { name, text }: &FileText) -> Result<Robot, Failure> {
     Robot::from_profile(text).map_err(|error| {
         other_kind(name, text, JsonKind::Profile, "robot profile").map_or_else(
             || Failure::in_text(&error.message(), error.place(), name, text),

@@ -8,10 +8,10 @@ use serde_json::{Map, Value};
 use crate::failure::Failure;
 
 /// Record of a line, or the reason why it is invalid, with the line number.
-type Line = (usize, Result<Map<String, Value>, String>);
+type ParsedLine = (usize, Result<Map<String, Value>, String>);
 
 /// Iterates over the records of standard input.
-pub(crate) fn records() -> impl Iterator<Item = Result<Line, Failure>> {
+pub(crate) fn records() -> impl Iterator<Item = Result<ParsedLine, Failure>> {
     let records: Records<StdinLock<'static>> = Records::new(io::stdin().lock());
     records.map(|record| {
         record.map_err(|error| match error.kind() {

@@ -34,15 +34,15 @@ mod twin_failure;
 
 use std::process::ExitCode;
 
-use args::{Arguments, Command};
+use args::{Arguments, CliCommand};
 use failure::{Failure, print_note};
-use settings::Settings;
+use settings::SettingsFile;
 
 fn main() -> ExitCode {
-    let result = Settings::read().map_or_else(
+    let result = SettingsFile::read().map_or_else(
         |failure| {
             // Help must work with invalid settings.
-            Arguments::read(&Settings::default());
+            Arguments::read(&SettingsFile::default());
             Err(failure)
         },
         |settings| {
@@ -66,24 +66,24 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(command: Command) -> Result<(), Failure> {
+fn run(command: CliCommand) -> Result<(), Failure> {
     match command {
-        Command::Plan(options) => commands::plan::run(&options),
-        Command::Compare(options) => commands::compare::run(&options),
-        Command::Validate(options) => commands::validate::run(&options),
-        Command::Report(options) => commands::report::run(&options),
-        Command::Identify(options) => commands::identify::run(&options),
+        CliCommand::Plan(options) => commands::plan::run(&options),
+        CliCommand::Compare(options) => commands::compare::run(&options),
+        CliCommand::Validate(options) => commands::validate::run(&options),
+        CliCommand::Report(options) => commands::report::run(&options),
+        CliCommand::Identify(options) => commands::identify::run(&options),
         #[cfg(feature = "live")]
-        Command::Live(command) => commands::live::run(command),
+        CliCommand::Live(command) => commands::live::run(command),
         #[cfg(feature = "bridge")]
-        Command::Brokers(command) => commands::brokers::run(command),
+        CliCommand::Brokers(command) => commands::brokers::run(command),
         #[cfg(feature = "sunrise")]
-        Command::Sunrise(command) => commands::sunrise::run(command),
-        Command::Fk(options) => commands::fk::run(&options),
-        Command::Ik(options) => commands::ik::run(&options),
-        Command::Robot(options) => commands::robot::run(&options),
-        Command::Schema(options) => commands::schema::run(&options),
-        Command::Completions(options) => commands::completions::run(&options),
-        Command::Man(options) => commands::man::run(&options),
+        CliCommand::Sunrise(command) => commands::sunrise::run(command),
+        CliCommand::Fk(options) => commands::fk::run(&options),
+        CliCommand::Ik(options) => commands::ik::run(&options),
+        CliCommand::Robot(options) => commands::robot::run(&options),
+        CliCommand::Schema(options) => commands::schema::run(&options),
+        CliCommand::Completions(options) => commands::completions::run(&options),
+        CliCommand::Man(options) => commands::man::run(&options),
     }
 }

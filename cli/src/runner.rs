@@ -5,14 +5,14 @@ use iiwa_json::printable;
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     ClientError, MAX_POINTS, StartOffset, Stream, TimedJoints,
-    message::{Code, Conditions, DriveState, Refusal, Request, RunLabel, Status},
+    message::{Code, Conditions, DriveState, DriveStatus, Refusal, Request, RunLabel},
     security::Endpoint,
 };
 use iiwa_log::{Config, JointLog, WriteError};
 use iiwa_plan::PlanOptions;
 use iiwa_program::{Motion, MotionList, Ptp};
 use iiwa_traj::Trajectory;
-use iiwa_twin::runs::{DriveConnection, ExecutedRun, RunEvent, execute, position};
+use iiwa_twin::runs::{DriveConnection, ExecutedRun, RunUpdate, execute, position};
 
 use crate::{
     args::DriveAddress,
@@ -51,8 +51,8 @@ pub(crate) fn execute_with_progress(
 ) -> ExecutedRun {
     let mut stops = 0;
     let run = execute(drive, request, interrupt::has_come, |event| match event {
-        RunEvent::Progress(t_s) => progress.show_time(t_s, planned_s),
-        RunEvent::Stopped(stopped) => {
+        RunUpdate::Progress(t_s) => progress.show_time(t_s, planned_s),
+        RunUpdate::Stopped(stopped) => {
             progress.aside(|| match stopped {
                 _ if stops > 0 => {}
                 Ok(()) => print_note("Interrupted: the robot is at rest\n"),
@@ -63,7 +63,7 @@ pub(crate) fn execute_with_progress(
             });
             stops += 1;
         }
-        RunEvent::StreamError(error) => {
+        RunUpdate::StreamError(error) => {
             progress.aside(|| print_note(&format!("The stream broke off: {error}\n")));
         }
     });
@@ -72,7 +72,7 @@ pub(crate) fn execute_with_progress(
 }
 
 /// Explains why runs cannot start without [`position`].
-pub(crate) fn unknown_position(status: &Status) -> String {
+pub(crate) fn unknown_position(status: &DriveStatus) -> String {
     let why =
         "the position of the robot is unknown: the drive receives nothing from the controller";
     match status.fri.unexpected_source {

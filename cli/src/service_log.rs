@@ -13,7 +13,7 @@ use tracing_subscriber::fmt::MakeWriter;
 /// Starts the log.
 pub(crate) fn start() {
     let started = tracing_subscriber::fmt()
-        .with_writer(Limited::default())
+        .with_writer(RateLimited::default())
         .with_max_level(tracing::Level::INFO)
         .with_target(false)
         .with_ansi(false)
@@ -24,9 +24,9 @@ pub(crate) fn start() {
 
 /// Standard error with a rate limit on repeated lines from one place in the program.
 #[derive(Default)]
-struct Limited(Mutex<Repetition<Identifier>>);
+struct RateLimited(Mutex<Repetition<Identifier>>);
 
-impl<'a> MakeWriter<'a> for Limited {
+impl<'a> MakeWriter<'a> for RateLimited {
     type Writer = Box<dyn Write>;
 
     fn make_writer(&'a self) -> Self::Writer {

@@ -6,7 +6,7 @@ use std::{
 };
 
 use clap::{Arg, Command, ValueEnum};
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use iiwa_kin::{Robot, RosPrefix};
 use serde::{Deserialize, Deserializer, de::Error};
 
@@ -35,7 +35,7 @@ Defaults:
 /// Content of the file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Settings {
+pub(crate) struct SettingsFile {
     robot: Option<String>,
     scene: Option<PathBuf>,
     drive: Option<String>,
@@ -51,7 +51,7 @@ fn ros_prefix<'de, D: Deserializer<'de>>(text: D) -> Result<Option<RosPrefix>, D
     String::deserialize(text)?.parse().map(Some).map_err(Error::custom)
 }
 
-impl Settings {
+impl SettingsFile {
     /// Reads the file of this folder or of the nearest one above, and the environment.
     pub(crate) fn read() -> Result<Self, Failure> {
         let path = match env::var_os(FILE_VARIABLE) {
@@ -73,7 +73,7 @@ impl Settings {
         let text = fs::read_to_string(path)
             .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
         let settings: Self = toml::from_str(&text).map_err(|error| {
-            let place = Place::of_span(&text, error.span().unwrap_or_default());
+            let place = JsonPlace::of_span(&text, error.span().unwrap_or_default());
             Failure::in_text(error.message(), &place, &name, &text)
         })?;
         if settings.key.is_some() != settings.server_key.is_some() {

@@ -10,19 +10,19 @@ use iiwa_sunrise::{Import, ImportError, ImportOptions, Unanswered};
 use crate::{
     args::Answering,
     failure::{Failure, print_note},
-    input::{Input, Text, find_robot, usual_robot},
+    input::{FileText, Input, find_robot, usual_robot},
 };
 
 /// Default file of answers, in the project folder.
 const ANSWERS_FILE: &str = "iiwasim-answers.toml";
 
 /// Project and import options of an application, beside its name.
-pub(crate) struct Application {
+pub(crate) struct ApplicationArgs {
     pub(crate) project: Project,
     pub(crate) options: ImportOptions,
 }
 
-impl Application {
+impl ApplicationArgs {
     /// Reads the project in a folder, and the import options.
     pub(crate) fn read(
         folder: &Path,
@@ -66,7 +66,7 @@ pub(crate) fn program(
             folder.display()
         )));
     }
-    let application = Application::read(folder, answering, robot)?;
+    let application = ApplicationArgs::read(folder, answering, robot)?;
     let import = application
         .import(answering.application.as_deref())
         .map_err(|error| failure(folder, &error))?;
@@ -110,7 +110,7 @@ fn answers(folder: &Path, answering: &Answering) -> Result<Answers, Failure> {
     let mut answers = match &file {
         None => Answers::default(),
         Some(file) => {
-            let Text { name, text } = Text::read(file)?;
+            let FileText { name, text } = FileText::read(file)?;
             Answers::from_toml(&text)
                 .map_err(|error| Failure::in_text(&error.message, &error.place, &name, &text))?
         }

@@ -3,7 +3,7 @@
 use std::{fs, io, path::Path};
 
 use iiwa_files::{OutputError, folder_of};
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use iiwa_kin::ProfileError;
 use iiwa_plan::Error;
 use iiwa_program::{MotionIndex, ProgramError};
@@ -77,7 +77,7 @@ pub(crate) fn read_text(py: Python<'_>, path: &Path, class: &str) -> PyResult<St
     })
 }
 
-fn in_text(py: Python<'_>, class: &str, message: &str, place: &Place) -> PyErr {
+fn in_text(py: Python<'_>, class: &str, message: &str, place: &JsonPlace) -> PyErr {
     exception(py, class, (format!("{message}, at {place}"), place.line, place.column))
 }
 

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_eval::{Comparison as Compared, Plan as Reference, identify as identified};
+use iiwa_eval::{Comparison as Compared, PlannedTrajectory as Reference, identify as identified};
 use iiwa_kin::Robot as Model;
 use iiwa_plan::{PlanRequest, ProgramSource};
 use iiwa_report::{ComparisonReport, IdentificationReport, draw_comparison, with_causes};
@@ -326,7 +326,7 @@ pub(crate) fn identify(
         move |_| {
             let recordings: Vec<_> = sources
                 .iter()
-                .map(|(program, log)| identified::Recording { program, log })
+                .map(|(program, log)| identified::RecordedRun { program, log })
                 .collect();
             let result = identified::identify(&recordings, &model);
             (result, sources)

@@ -28,12 +28,12 @@ use crate::{
 };
 
 /// A program and the request for its plan.
-struct Job {
+struct PlanTask {
     source: Arc<ProgramSource>,
     request: PlanRequest,
 }
 
-impl Job {
+impl PlanTask {
     fn new(
         program: &Program,
         robot: Option<&Model>,
@@ -151,7 +151,7 @@ pub(crate) fn plan(
     let options = plan_options(timing, blend_shape, blend_search, samples)?;
     let robot = robot.map(|robot| robot.model(py)).transpose()?;
     let overrides = Overrides::new(limit_torque_percent, override_percent)?;
-    let job = Job::new(program.get(), robot.as_ref(), overrides, options);
+    let job = PlanTask::new(program.get(), robot.as_ref(), overrides, options);
     let work = move |stop| {
         let planned = job.plan(&mut None, &stop);
         (job, planned)
@@ -199,7 +199,7 @@ pub(crate) fn plan_all<'py>(
         let program = program
             .cast::<Program>()
             .map_err(|_| unexpected(&format!("programs[{index}]"), &program, "a Program"))?;
-        work.push(Job::new(program.get(), robot.as_ref(), overrides, options));
+        work.push(PlanTask::new(program.get(), robot.as_ref(), overrides, options));
     }
     let total = work.len();
     let cores = available_parallelism().map_or(1, usize::from);
@@ -219,7 +219,7 @@ pub(crate) fn plan_all<'py>(
     let done = Arc::new(AtomicUsize::new(0));
     let counter = Arc::clone(&done);
     let plan_them = move |stop: Arc<AtomicBool>| {
-        let plan = |planner: &mut Option<Planner>, job: Job| {
+        let plan = |planner: &mut Option<Planner>, job: PlanTask| {
             let planned = job.plan(planner, &stop);
             counter.fetch_add(1, Ordering::Relaxed);
             (job, planned)

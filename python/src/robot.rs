@@ -72,7 +72,7 @@ fn of_profile(py: Python<'_>, text: &str) -> PyResult<Model> {
     Model::from_profile(text).map_err(|error| profile_error(py, &error))
 }
 
-type Numbers<'py> = Bound<'py, PyArrayDyn<f64>>;
+type NumberArray<'py> = Bound<'py, PyArrayDyn<f64>>;
 
 impl Robot {
     pub(crate) fn of(model: Model) -> Self {
@@ -141,7 +141,7 @@ impl Robot {
     /// >>> robot.position_limits_rad.shape
     /// (2, 7)
     #[getter]
-    fn position_limits_rad<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+    fn position_limits_rad<'py>(&self, py: Python<'py>) -> PyResult<NumberArray<'py>> {
         let limits = self.model.limits();
         array(py, vec![limits.lower_rad, limits.upper_rad], &[7], false)
     }
@@ -153,7 +153,7 @@ impl Robot {
     /// >>> float(robot.velocity_limits_rad_s[0].round(3))
     /// 1.71
     #[getter]
-    fn velocity_limits_rad_s<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+    fn velocity_limits_rad_s<'py>(&self, py: Python<'py>) -> PyResult<NumberArray<'py>> {
         array(py, vec![self.model.limits().velocity_rad_s], &[7], true)
     }
 
@@ -164,7 +164,7 @@ impl Robot {
     /// >>> robot.acceleration_limits_rad_s2.shape
     /// (7,)
     #[getter]
-    fn acceleration_limits_rad_s2<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+    fn acceleration_limits_rad_s2<'py>(&self, py: Python<'py>) -> PyResult<NumberArray<'py>> {
         array(py, vec![self.model.limits().acceleration_rad_s2], &[7], true)
     }
 
@@ -175,7 +175,7 @@ impl Robot {
     /// >>> bool((robot.jerk_limits_rad_s3 > 0).all())
     /// True
     #[getter]
-    fn jerk_limits_rad_s3<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+    fn jerk_limits_rad_s3<'py>(&self, py: Python<'py>) -> PyResult<NumberArray<'py>> {
         array(py, vec![self.model.limits().jerk_rad_s3], &[7], true)
     }
 
@@ -186,7 +186,7 @@ impl Robot {
     /// >>> robot.torque_limits_nm.tolist()
     /// [176.0, 176.0, 110.0, 110.0, 110.0, 40.0, 40.0]
     #[getter]
-    fn torque_limits_nm<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+    fn torque_limits_nm<'py>(&self, py: Python<'py>) -> PyResult<NumberArray<'py>> {
         array(py, vec![self.model.limits().torque_nm], &[7], true)
     }
 
@@ -208,7 +208,7 @@ impl Robot {
     /// >>> robot = iw.Robot()
     /// >>> robot.tcp([[0.0] * 7] * 1000).shape
     /// (1000, 3)
-    fn tcp<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<Numbers<'py>> {
+    fn tcp<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<NumberArray<'py>> {
         let rows = Rows::unchecked("q", &q)?;
         let mut positions = room(rows.joints.len())?;
         py.detach(|| {
@@ -229,7 +229,7 @@ impl Robot {
         &self,
         py: Python<'py>,
         q: JointsLike<'py>,
-    ) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
+    ) -> PyResult<(NumberArray<'py>, NumberArray<'py>)> {
         let rows = Rows::unchecked("q", &q)?;
         let count = rows.joints.len();
         let (mut positions, mut rotations) = (room(count)?, room::<[f64; 9]>(count)?);
@@ -253,7 +253,7 @@ impl Robot {
     /// >>> robot = iw.Robot()
     /// >>> robot.jacobian([0.1] * 7).shape
     /// (6, 7)
-    fn jacobian<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<Numbers<'py>> {
+    fn jacobian<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<NumberArray<'py>> {
         let rows = Rows::new("q", &q)?;
         let row_by_row = |q: &Joints| -> [f64; 42] {
             let jacobian = self.model.jacobian(q);
@@ -288,7 +288,7 @@ impl Robot {
         program: Option<&Bound<'py, Program>>,
         tool: Option<String>,
         base: Option<String>,
-    ) -> PyResult<Numbers<'py>> {
+    ) -> PyResult<NumberArray<'py>> {
         let near = near.as_ref().map(|near| Rows::new("near", near)).transpose()?;
         let near = near.as_ref().map(|near| near.single("near")).transpose()?;
         let place = Workplace::new(&self.model, program.map(Bound::get), tool, base)?;
@@ -336,7 +336,7 @@ impl Robot {
         dq: Option<JointsLike<'py>>,
         ddq: Option<JointsLike<'py>>,
         load: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Numbers<'py>> {
+    ) -> PyResult<NumberArray<'py>> {
         let rows = Rows::new("q", &q)?;
         let count = rows.joints.len();
         let dq = dq.as_ref().map(|rates| Rows::new("dq", rates)).transpose()?;
@@ -367,7 +367,7 @@ impl Robot {
     /// >>> robot = iw.Robot()
     /// >>> robot.mass_matrix([0.0] * 7).shape
     /// (7, 7)
-    fn mass_matrix<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<Numbers<'py>> {
+    fn mass_matrix<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<NumberArray<'py>> {
         let rows = Rows::new("q", &q)?;
         let matrix = self.model.dynamics().mass_matrix(rows.single("q")?);
         array(py, matrix.to_vec(), &[7], false)

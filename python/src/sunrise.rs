@@ -64,9 +64,9 @@ impl<'py> FromPyObject<'_, 'py> for Fired {
 }
 
 /// The value of an input, or of process data.
-pub(crate) struct Value(AnswerValue);
+pub(crate) struct InputValue(AnswerValue);
 
-impl<'py> FromPyObject<'_, 'py> for Value {
+impl<'py> FromPyObject<'_, 'py> for InputValue {
     type Error = PyErr;
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
@@ -106,8 +106,8 @@ pub(crate) fn import_application<'py>(
     folder: PathBuf,
     application: Option<&str>,
     answers: Option<BTreeMap<String, Buttons>>,
-    inputs: Option<BTreeMap<String, Value>>,
-    data: Option<BTreeMap<String, Value>>,
+    inputs: Option<BTreeMap<String, InputValue>>,
+    data: Option<BTreeMap<String, InputValue>>,
     fired: Option<BTreeMap<String, Fired>>,
     times: Option<BTreeMap<String, f64>>,
     tools: Option<BTreeMap<String, Vec<f64>>>,

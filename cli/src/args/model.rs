@@ -20,7 +20,7 @@ pub(crate) struct Fk {
     pub(crate) robot: Option<String>,
 
     #[command(flatten)]
-    pub(crate) place: Place,
+    pub(crate) place: ToolAndBase,
 
     /// Print one JSON object: `position_m`, `rotation` (three rows), `frame`, `robot`
     #[arg(long)]
@@ -29,7 +29,7 @@ pub(crate) struct Fk {
 
 /// Tool and base for poses.
 #[derive(Args, Clone, Debug)]
-pub(crate) struct Place {
+pub(crate) struct ToolAndBase {
     /// Motion program with the tools, bases and frames, or a file of them that programs include
     #[arg(long, value_name = "FILE.json")]
     pub(crate) program: Option<PathBuf>,
@@ -108,7 +108,7 @@ pub(crate) struct Ik {
     pub(crate) robot: Option<String>,
 
     #[command(flatten)]
-    pub(crate) place: Place,
+    pub(crate) place: ToolAndBase,
 
     /// Print one JSON object: `joints_deg`, `joints_rad`, `frame`, `allowed_e1_deg` (ranges),
     /// `singularity`, `robot`
@@ -154,12 +154,12 @@ pub(crate) struct Robot {
 #[derive(Args, Debug)]
 pub(crate) struct Schema {
     /// The format
-    #[arg(value_enum, default_value_t = Format::Program)]
-    pub(crate) format: Format,
+    #[arg(value_enum, default_value_t = OutputFormat::Program)]
+    pub(crate) format: OutputFormat,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Format {
+pub(crate) enum OutputFormat {
     /// Motion program
     Program,
     /// Tools, bases and frames, which programs include

@@ -82,8 +82,8 @@ pub(crate) struct Plan {
     pub(crate) speed_override: Option<f64>,
 
     /// Blend curve
-    #[arg(long, value_enum, default_value_t = Shape::Iiwa, help_heading = METHOD)]
-    pub(crate) blend_shape: Shape,
+    #[arg(long, value_enum, default_value_t = BlendKind::Iiwa, help_heading = METHOD)]
+    pub(crate) blend_shape: BlendKind,
 
     /// Method for the start and end of blends given in mm
     #[arg(long, value_enum, default_value_t = Search::FirstCrossing, help_heading = METHOD)]
@@ -187,7 +187,7 @@ impl Timing {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Shape {
+pub(crate) enum BlendKind {
     /// The blend of the LBR iiwa (Larsen 2019, Eq. 39)
     Iiwa,
     /// Blend polynomial without the shape term kappa (Eq. 13)
@@ -198,13 +198,13 @@ pub(crate) enum Shape {
     Circle,
 }
 
-impl From<Shape> for BlendShape {
-    fn from(shape: Shape) -> Self {
+impl From<BlendKind> for BlendShape {
+    fn from(shape: BlendKind) -> Self {
         match shape {
-            Shape::Iiwa => Self::Iiwa,
-            Shape::Alpha => Self::Alpha(Continuity::Second),
-            Shape::MinAcceleration => Self::MinAcceleration,
-            Shape::Circle => Self::Circle,
+            BlendKind::Iiwa => Self::Iiwa,
+            BlendKind::Alpha => Self::Alpha(Continuity::Second),
+            BlendKind::MinAcceleration => Self::MinAcceleration,
+            BlendKind::Circle => Self::Circle,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `iiwasim compare`.
 
-use iiwa_eval::Plan;
+use iiwa_eval::PlannedTrajectory;
 use iiwa_log::{PlanRecordError, Positions};
 use iiwa_report::{ComparisonReport, draw_comparison, with_causes};
 
@@ -16,7 +16,7 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
         kind.check_existing(picture)?;
     }
     let robot = options.robot.as_deref().map(input::find_robot).transpose()?;
-    let plan = Plan::read_mcap(input::open(plan_file)?, robot).map_err(|error| {
+    let plan = PlannedTrajectory::read_mcap(input::open(plan_file)?, robot).map_err(|error| {
         let hint = match error {
             PlanRecordError::Robot(_) => "; name its profile with --robot",
             _ => "",

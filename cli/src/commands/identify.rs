@@ -2,7 +2,7 @@
 
 use std::{path::Path, sync::Arc};
 
-use iiwa_eval::identify::{Recording, identify};
+use iiwa_eval::identify::{RecordedRun, identify};
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, Loss, Positions};
 use iiwa_plan::ProgramSource;
@@ -12,7 +12,7 @@ use iiwa_report::{IdentificationReport, with_causes};
 use crate::{args::Identify, failure::Failure, input, output, output_kind::OutputKind};
 
 /// Recording and its program.
-struct Source {
+struct RecordedProgram {
     name: String,
     program: Arc<Program>,
     log: JointLog,
@@ -35,13 +35,15 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
             Arc::make_mut(&mut source.program).workcell.speed_override = Some(0.01 * percent);
         }
     }
-    let recordings: Vec<_> =
-        sources.iter().map(|Source { program, log, .. }| Recording { program, log }).collect();
+    let recordings: Vec<_> = sources
+        .iter()
+        .map(|RecordedProgram { program, log, .. }| RecordedRun { program, log })
+        .collect();
     let identified = identify(&recordings, &model)
         .map_err(|error| Failure::input(format!("{}: {error}", sources[error.recording()].name)))?;
     let name = options.name.as_deref().unwrap_or(model.name());
     let logs: Vec<_> =
-        sources.iter().map(|Source { name, log, .. }| (name.as_str(), log)).collect();
+        sources.iter().map(|RecordedProgram { name, log, .. }| (name.as_str(), log)).collect();
     let report = IdentificationReport::new(&logs, name, &identified, target);
     if report.is_empty() {
         let losses = report.first_losses().fold(String::new(), |text, loss| text + "; " + loss);
@@ -62,7 +64,7 @@ pub(crate) fn run(options: &Identify) -> Result<(), Failure> {
 }
 
 /// Reads the recordings with their programs, and the robot assumed for them.
-fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
+fn read(options: &Identify) -> Result<(Vec<RecordedProgram>, Robot), Failure> {
     let given = options.program.as_deref();
     let robot = options.robot.as_deref();
     let given = given.map(|path| input::program(path, robot)).transpose()?;
@@ -105,7 +107,7 @@ fn read(options: &Identify) -> Result<(Vec<Source>, Robot), Failure> {
             log.check_robot(model).map_err(|error| to_failure(&error))?;
             log.check_motion().map_err(|error| to_failure(&error))?;
         }
-        sources.push(Source { name, program: source.program, log });
+        sources.push(RecordedProgram { name, program: source.program, log });
     }
     Ok((sources, model.map_or_else(input::default_robot, Ok)?))
 }

@@ -41,14 +41,14 @@ pub(crate) fn run(options: &Ik) -> Result<(), Failure> {
     if options.stdin {
         return solve_all(&place, options);
     }
-    let Solution { joints_rad, allowed_rad, turn } =
+    let IkSolution { joints_rad, allowed_rad, turn } =
         solve(&place, options, &place.frame_named(&options.frame)?)?;
     check_turn(turn, &joints_rad);
     print(&place, &joints_rad, &allowed_rad, options.json)
 }
 
 /// Joint positions that reach a frame.
-struct Solution {
+struct IkSolution {
     joints_rad: Joints,
     /// Ranges of E1 with which all joints are within their limits.
     allowed_rad: Vec<[f64; 2]>,
@@ -56,7 +56,7 @@ struct Solution {
     turn: Option<Turn>,
 }
 
-fn solve(place: &Workplace, options: &Ik, frame: &TargetRef) -> Result<Solution, Failure> {
+fn solve(place: &Workplace, options: &Ik, frame: &TargetRef) -> Result<IkSolution, Failure> {
     let robot = &place.robot;
     let (target, flange) = place.target(frame)?;
     let near = options.near.map(|joints_deg| joints_deg.map(f64::to_radians));
@@ -76,7 +76,7 @@ fn solve(place: &Workplace, options: &Ik, frame: &TargetRef) -> Result<Solution,
     };
     let joints_rad = robot.inverse(&flange, e1_rad, status).map_err(|error| unless(&error))?;
     robot.limits().check(&joints_rad).map_err(|error| unless(&error))?;
-    Ok(Solution { joints_rad, allowed_rad, turn: target.turn.and_then(Turn::new) })
+    Ok(IkSolution { joints_rad, allowed_rad, turn: target.turn.and_then(Turn::new) })
 }
 
 /// Output for one of many frames.
@@ -102,7 +102,7 @@ fn solve_all(place: &Workplace, options: &Ik) -> Result<(), Failure> {
             .map_err(Failure::input)
             .and_then(|object| solve(place, options, &frame_of(object)?));
         let answer = match inverse {
-            Ok(Solution { joints_rad, .. }) => {
+            Ok(IkSolution { joints_rad, .. }) => {
                 JointsLine { joints_deg: Some(joints_rad.map(f64::to_degrees)), error: None }
             }
             Err(failure) => {

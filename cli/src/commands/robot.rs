@@ -8,7 +8,7 @@ use iiwa_report::{robot_sheet, robots_table, rounded};
 use crate::{
     args,
     failure::Failure,
-    input::{Text, find_robot},
+    input::{FileText, find_robot},
     output,
 };
 
@@ -31,7 +31,7 @@ pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
 }
 
 fn check(robot: &Robot, path: &Path, tip: Option<&str>) -> Result<(), Failure> {
-    let Text { name, text } = Text::read(path)?;
+    let FileText { name, text } = FileText::read(path)?;
     let report = robot
         .check_urdf(&text, tip)
         .map_err(|error| Failure::in_text(&error.message(), error.place(), &name, &text))?;

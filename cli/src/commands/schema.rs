@@ -5,7 +5,7 @@ use iiwa_program::{Program, Workcell};
 use iiwa_scene::Scene;
 
 use crate::{
-    args::{Format, Schema},
+    args::{OutputFormat, Schema},
     failure::Failure,
     output,
 };
@@ -13,14 +13,16 @@ use crate::{
 /// Prints a JSON Schema.
 pub(crate) fn run(options: &Schema) -> Result<(), Failure> {
     let schema = match options.format {
-        Format::Program => Program::schema(),
-        Format::Frames => Workcell::schema(),
-        Format::Profile => Robot::profile_schema(),
-        Format::Scene => Scene::schema(),
+        OutputFormat::Program => Program::schema(),
+        OutputFormat::Frames => Workcell::schema(),
+        OutputFormat::Profile => Robot::profile_schema(),
+        OutputFormat::Scene => Scene::schema(),
         #[cfg(feature = "bridge")]
-        Format::Bridge => iiwa_bridge::message::schema(),
+        OutputFormat::Bridge => iiwa_bridge::message::schema(),
         #[cfg(not(feature = "bridge"))]
-        Format::Bridge => return Err(crate::features::BRIDGE.missing("`iiwasim schema bridge`")),
+        OutputFormat::Bridge => {
+            return Err(crate::features::BRIDGE.missing("`iiwasim schema bridge`"));
+        }
     };
     output::print(&format!("{schema:#}\n"))
 }

@@ -1,6 +1,6 @@
 //! `iiwasim validate`.
 
-use iiwa_eval::Plan;
+use iiwa_eval::PlannedTrajectory;
 use iiwa_log::Positions;
 use iiwa_plan::PlanOptions;
 use iiwa_report::{ValidationReport, with_causes};
@@ -20,8 +20,9 @@ pub(crate) fn run(options: &Validate) -> Result<(), Failure> {
     };
     log.check_robot(&robot).map_err(|error| to_failure(&error))?;
     let plan = input.plan()?;
-    let comparison = iiwa_eval::compare(&Plan::from_trajectory(&plan.trajectory), &log)
-        .map_err(|error| to_failure(&error))?;
+    let comparison =
+        iiwa_eval::compare(&PlannedTrajectory::from_trajectory(&plan.trajectory), &log)
+            .map_err(|error| to_failure(&error))?;
     let report = ValidationReport::new(
         [&options.recording, &options.program],
         &log,

@@ -3,7 +3,7 @@
 
 #![no_main]
 
-use iiwa_fri::{Client, Controller, Format, Reading};
+use iiwa_fri::{FriClient, Controller, Format, Reading};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -16,7 +16,7 @@ fuzz_target!(|bytes: &[u8]| {
         Format::V1.encode_command(&message, &mut out);
         assert_eq!(Format::V1.decode_command(&out).expect("it was written"), message);
     }
-    let mut client = Client::new(Format::V1);
+    let mut client = FriClient::new(Format::V1);
     let mut controller = Controller::default();
     controller.request_commanding();
     for datagram in std::iter::once(bytes).chain(frames(bytes)) {

@@ -10,8 +10,8 @@ use std::{
 };
 
 use iiwa_kin::{Joints, Robot, RosNames, RosStack};
-use iiwa_link::message::{DriveState, FriStatus, IoValue, Presence, Sensors, Status};
-use iiwa_log::{Arm, Encoder, Frame, Topic};
+use iiwa_link::message::{DriveState, FriStatus, IoValue, Presence, Sensors, DriveStatus};
+use iiwa_log::{Arm, Encoder, FramePose, Topic};
 use iiwasim_tests::{child_processes, ports::free_address};
 use serde_json::{Value, json};
 
@@ -45,11 +45,11 @@ fn nanoseconds(t: Duration) -> u64 {
     u64::try_from(t.as_nanos()).unwrap()
 }
 
-fn status() -> Status {
+fn status() -> DriveStatus {
     let mut fri = FriStatus::new("commanding_active", "excellent");
     fri.lost = 1;
     fri.late = 2;
-    let mut status = Status::new(DriveState::RunningTrajectory, fri);
+    let mut status = DriveStatus::new(DriveState::RunningTrajectory, fri);
     status.joints_rad = Some(JOINTS);
     status.t_s = Some(1.5);
     status.robot_program = Presence::Connected;
@@ -57,7 +57,7 @@ fn status() -> Status {
 }
 
 /// The same before the robot has sent anything.
-fn without_positions() -> Status {
+fn without_positions() -> DriveStatus {
     let mut status = status();
     status.joints_rad = None;
     status.t_s = None;
@@ -120,7 +120,7 @@ fn samples_arrive(names: &RosNames) {
         assert_eq!(arrived.data, encoder.joint_state(t, &joints, &velocities, None).unwrap());
         let arrived = viewer.next_on("/tf");
         assert_eq!(arrived.data, encoder.transforms(t, &arm.links(&joints)).unwrap());
-        let Frame { parent, translation_m, rotation_xyzw, .. } = arm.flange(&joints);
+        let FramePose { parent, translation_m, rotation_xyzw, .. } = arm.flange(&joints);
         let arrived = viewer.next_on("/tcp_pose");
         let pose = encoder.tcp_pose(t, parent, translation_m, rotation_xyzw).unwrap();
         assert_eq!(arrived.data, pose);

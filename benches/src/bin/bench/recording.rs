@@ -17,8 +17,8 @@ use std::{
 
 use fastrand_contrib::RngExt;
 use iiwa_eval::{
-    Plan, compare,
-    identify::{Recording, identify},
+    PlannedTrajectory, compare,
+    identify::{RecordedRun, identify},
 };
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, PlanConfig, Recorder, RecorderConfig, write_plan};
@@ -84,7 +84,7 @@ fn run_job(job: &str, folder: &FilePath) -> Result<String> {
             format!("{job}, {} samples", log.t_s.len())
         }
         "--compare" => {
-            let plan = Plan::read_mcap(File::open(folder.join(PLAN))?, None)?;
+            let plan = PlannedTrajectory::read_mcap(File::open(folder.join(PLAN))?, None)?;
             let comparison = compare(&plan, &read(MCAP)?)?;
             format!(
                 "{job}, {} motions, off by {:.1e} s and, with its noise, {:.3} mm",
@@ -95,7 +95,7 @@ fn run_job(job: &str, folder: &FilePath) -> Result<String> {
         }
         _ => {
             let program = Program::from_json(&fs::read_to_string(folder.join(PROGRAM))?)?;
-            let recording = Recording { program: &program, log: &read(MCAP)? };
+            let recording = RecordedRun { program: &program, log: &read(MCAP)? };
             let identified = identify(&[recording], &Robot::default())?;
             format!("{job}, {} blends", identified.blends.len())
         }

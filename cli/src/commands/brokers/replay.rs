@@ -10,8 +10,8 @@ use std::{
 
 use iiwa_bridge::{
     Content, Message,
-    kafka::reader::LeftOut,
-    message::JointSample,
+    kafka::reader::OmittedMessages,
+    message::CycleSample,
     replay::{Player, ReplayDrive},
 };
 use iiwa_files::interrupt;
@@ -45,14 +45,14 @@ fn record(options: &Replay, path: &Path) -> Result<(), Failure> {
     let robot = find_robot(&options.robot)?;
     let (reader, selection) = reader(&options.stored, Some(options.name.clone()))?;
     output::keep_existing(OutputKind::Recording, path, options.overwrite)?;
-    let mut recording: Option<Recording> = None;
+    let mut recording: Option<ReplayRecording> = None;
     let mut failed = None;
     let mut progress = Progress::of_recording();
     let read = reader.replay(&selection, |message| {
         let Content::Joints(sample) = &message.content else { return Continue(()) };
         let recorded = match &mut recording {
             Some(recording) => recording.add(sample).map_err(|error| cannot_write(path, &error)),
-            None => Recording::begin(options, path, &robot, &message, sample)
+            None => ReplayRecording::begin(options, path, &robot, &message, sample)
                 .map(|begun| recording = Some(begun)),
         };
         progress.show(recording.as_ref().map_or(0, |recording| recording.samples));
@@ -84,20 +84,20 @@ fn cannot_write(path: &Path, error: &dyn Error) -> Failure {
 }
 
 /// Recording under construction.
-struct Recording {
+struct ReplayRecording {
     recorder: Recorder<File>,
     first_s: f64,
     last: Duration,
     samples: u64,
 }
 
-impl Recording {
+impl ReplayRecording {
     fn begin(
         options: &Replay,
         path: &Path,
         robot: &Robot,
         message: &Message,
-        sample: &JointSample,
+        sample: &CycleSample,
     ) -> Result<Self, Failure> {
         let to_failure = |error: &dyn Error| cannot_write(path, error);
         let epoch = Duration::from_micros(message.at.micros());
@@ -112,7 +112,7 @@ impl Recording {
         Ok(Self { recorder, first_s: sample.t_s, last: Duration::ZERO, samples: 1 })
     }
 
-    fn add(&mut self, sample: &JointSample) -> Result<(), WriteError> {
+    fn add(&mut self, sample: &CycleSample) -> Result<(), WriteError> {
         let t = Duration::try_from_secs_f64(sample.t_s - self.first_s).unwrap_or_default();
         if t <= self.last {
             // The drive was restarted: its clock starts again, and the recording continues one
@@ -164,7 +164,7 @@ fn nothing(options: &Replay) -> Failure {
     Failure::Run { message, cause: None }
 }
 
-fn remarks(LeftOut { missing, unreadable, .. }: LeftOut) -> String {
+fn remarks(OmittedMessages { missing, unreadable, .. }: OmittedMessages) -> String {
     let count_text = |count: u64, noun: &str| {
         if count > 0 { format!("; {count} {noun}") } else { String::new() }
     };

@@ -21,7 +21,7 @@ use crate::{
 };
 
 use self::{
-    arm::Arm,
+    arm::ExperimentArm,
     folder::{Folder, write},
 };
 
@@ -70,9 +70,9 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
             let trials = programs.iter().flat_map(|(_, trials)| trials);
             let warning = motion_warning(&bench.model, trials, count);
             print_note(&warning.map_err(|fault| Failure::input(fault.to_string()))?);
-            Arm::Real { line, to_start }
+            ExperimentArm::Real { line, to_start }
         }
-        _ => Arm::Virtual(Box::new(VirtualArm {
+        _ => ExperimentArm::Virtual(Box::new(VirtualArm {
             robot: virtual_robot,
             noise_rad: options.noise,
             rate_hz: 0.0,
@@ -83,19 +83,19 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
 
     let command: Vec<_> = env::args().skip(1).collect();
     let virtual_arm = match &arm {
-        Arm::Virtual(arm) => Some((&**arm, options.virtual_robot.as_deref())),
-        Arm::Real { .. } => None,
+        ExperimentArm::Virtual(arm) => Some((&**arm, options.virtual_robot.as_deref())),
+        ExperimentArm::Real { .. } => None,
     };
     let mut text = preface(&format!("iiwasim {}", command.join(" ")), &kinds, &bench, virtual_arm);
     let mut progress = Progress::of_experiment(count);
     let mut done = 0;
     for (kind, trials) in programs {
-        if let Arm::Virtual(arm) = &mut arm {
+        if let ExperimentArm::Virtual(arm) = &mut arm {
             arm.rate_hz = options.rate.unwrap_or(kind.rate_hz());
         }
         let mut runs = Vec::with_capacity(trials.len());
         for trial in trials {
-            if let (Arm::Real { .. }, Some(mounted)) = (&arm, kind.to_mount(&trial)) {
+            if let (ExperimentArm::Real { .. }, Some(mounted)) = (&arm, kind.to_mount(&trial)) {
                 wait_for_enter(&mounted)?;
             }
             let log = arm.run(&trial, &bench.model)?;
@@ -114,7 +114,7 @@ pub(crate) fn run(options: &Experiment) -> Result<(), Failure> {
         text.push('\n');
         text.push_str(&chapter.text);
     }
-    if let (Arm::Virtual(arm), ExperimentName::All, None) =
+    if let (ExperimentArm::Virtual(arm), ExperimentName::All, None) =
         (&arm, options.name, &options.virtual_robot)
     {
         text.push('\n');

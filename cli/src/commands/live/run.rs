@@ -108,7 +108,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         output.write(&recording(&log, file, robot, input.source.text.complete())?)?;
         output.complete_always()?;
     }
-    let plan = iiwa_eval::Plan::from_trajectory(trajectory);
+    let plan = iiwa_eval::PlannedTrajectory::from_trajectory(trajectory);
     let figures = RunReport::new(&plan, &log, failure.is_none(), written);
     if options.json {
         output::print_json(&figures)?;

@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use super::{
     answer::PlanAnswer,
-    programs::{self, Job},
+    programs::{self, PlanJob},
     work::{PlanOutcome, gates, scene, write},
 };
 use crate::{
@@ -93,7 +93,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 fn plan(
     options: &Plan,
     scene: Option<&Scene>,
-    job: &Job,
+    job: &PlanJob,
     printer: &Mutex<OutcomePrinter>,
 ) -> ProgramOutcome {
     let name = job.program.display().to_string();
@@ -120,7 +120,7 @@ struct ProgramOutcome {
 
 /// JSON line of a program that was not planned.
 #[derive(Serialize)]
-struct Refusal<'a> {
+struct FailedProgram<'a> {
     program: &'a str,
     error: String,
 }
@@ -128,7 +128,7 @@ struct Refusal<'a> {
 impl ProgramOutcome {
     fn planned(
         options: &Plan,
-        job: &Job,
+        job: &PlanJob,
         name: &str,
         PlanOutcome { figures, warnings }: &PlanOutcome,
     ) -> Result<Self, Failure> {
@@ -155,7 +155,8 @@ impl ProgramOutcome {
 
     fn failed(options: &Plan, name: String, failure: Failure) -> Self {
         let failure = failure.about(&name);
-        let line = || output::json_line(&Refusal { program: &name, error: failure.message() });
+        let line =
+            || output::json_line(&FailedProgram { program: &name, error: failure.message() });
         Self {
             // Two texts can always be serialised.
             line: options.json.then(line).and_then(Result::ok),

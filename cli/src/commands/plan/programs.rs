@@ -12,14 +12,14 @@ use crate::{args::Plan, failure::Failure, file_kind::JsonKind};
 use super::target::{file_name, is_stdin};
 
 /// Program, and the file of its trajectory, if one is written.
-pub(super) struct Job {
+pub(super) struct PlanJob {
     pub(super) program: PathBuf,
     pub(super) target: Option<PathBuf>,
 }
 
 /// Returns all given programs in order, with folders expanded to their programs. Rejects
 /// duplicates, programs with the same output file, and outputs that overwrite an input.
-pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failure> {
+pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<PlanJob>, Failure> {
     let mut programs = Vec::new();
     for path in given {
         if is_stdin(path) {
@@ -37,7 +37,7 @@ pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<Job>, Failur
         (!options.no_output).then(|| folder.join(file_name(program)))
     };
     let jobs: Vec<_> =
-        programs.into_iter().map(|program| Job { target: target(&program), program }).collect();
+        programs.into_iter().map(|program| PlanJob { target: target(&program), program }).collect();
     let robot = options.robot.as_deref().map(Path::new);
     distinct(&jobs, robot.into_iter().chain(options.scene.as_deref()))?;
     Ok(jobs)
@@ -111,12 +111,15 @@ fn place(path: &Path) -> PathBuf {
 }
 
 /// Rejects outputs that would overwrite an input or each other.
-fn distinct<'a>(jobs: &'a [Job], others: impl Iterator<Item = &'a Path>) -> Result<(), Failure> {
+fn distinct<'a>(
+    jobs: &'a [PlanJob],
+    others: impl Iterator<Item = &'a Path>,
+) -> Result<(), Failure> {
     let programs = jobs.iter().map(|job| job.program.as_path());
     let read: HashMap<_, _> =
         programs.chain(others).filter_map(|path| Some((path.canonicalize().ok()?, path))).collect();
     let mut written = HashMap::new();
-    for Job { program, target } in jobs {
+    for PlanJob { program, target } in jobs {
         let Some(target) = target else { continue };
         // Writing to a link replaces its target.
         let file = target.canonicalize().unwrap_or_else(|_| target.clone());

@@ -5,17 +5,17 @@ use std::{
     path::Path,
 };
 
-use iiwa_files::{Output, Stream};
+use iiwa_files::{Output, OutputStream};
 use iiwa_log::PlanTable;
 use iiwa_traj::Section;
 
 use crate::{args::Plan, failure::Failure, output, output_kind::OutputKind};
 
 /// Tables under construction that the options request.
-pub(super) struct Tables(Vec<(Output, PlanTable<BufWriter<Stream>>)>);
+pub(super) struct Tables(Vec<(Output, PlanTable<BufWriter<OutputStream>>)>);
 
 /// Function that begins a table.
-type Begin = fn(BufWriter<Stream>, f64) -> io::Result<PlanTable<BufWriter<Stream>>>;
+type Begin = fn(BufWriter<OutputStream>, f64) -> io::Result<PlanTable<BufWriter<OutputStream>>>;
 
 impl Tables {
     pub(super) fn new(options: &Plan) -> Result<Self, Failure> {
@@ -47,7 +47,7 @@ impl Tables {
 
     /// Completes the tables and returns their files.
     pub(super) fn finish(self) -> Result<Vec<Output>, Failure> {
-        let finish = |(output, table): (Output, PlanTable<BufWriter<Stream>>)| {
+        let finish = |(output, table): (Output, PlanTable<BufWriter<OutputStream>>)| {
             let stream = table.finish().map_err(|error| output.failure(error))?;
             stream.into_inner().map_err(|error| output.failure(error.into_error()))?;
             Ok(output)

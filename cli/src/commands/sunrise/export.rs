@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use iiwa_files::write_folder;
-use iiwa_json::{Step, locate, printable};
+use iiwa_json::{JsonStep, locate, printable};
 use iiwa_program::MotionIndex;
 use iiwa_sunrise::{ExportError, ExportOptions, ExportedProject};
 use serde::Serialize;
@@ -80,12 +80,13 @@ fn keep_existing(folder: &Path, overwrite: bool) -> Result<(), Failure> {
 /// Converts an export error to a failure, with the place of the fault.
 fn export_failure(error: &ExportError, input: &Input) -> Failure {
     let (name, text) = (&input.name, input.source.text.as_read());
-    let motion = |motion: &MotionIndex| vec![Step::Key("motions"), Step::Index(motion.index())];
+    let motion =
+        |motion: &MotionIndex| vec![JsonStep::Key("motions"), JsonStep::Index(motion.index())];
     let place = match error {
         ExportError::Fault(fault) => fault.place_in(text),
         ExportError::NotInSunrise { motion: index, key, .. } => {
             let mut steps = motion(index);
-            steps.push(Step::Key(key));
+            steps.push(JsonStep::Key(key));
             locate(text, &steps)
         }
         ExportError::Name { motion: Some(index), .. } => locate(text, &motion(index)),

@@ -32,18 +32,18 @@ use iiwa_traj::PieceKind;
 
 use iiwa_kin::vector::{self, add_scaled, norm, sub};
 
-use crate::noise::Noise;
+use crate::noise::RecordingNoise;
 
 use deviation::Deviations;
-use edge::{Edge, Side, Stop};
+use edge::{Edge, PlannedStop, Side};
 use follow::Followed;
-use line::Line;
-use plan::{Leg, Piece};
+use line::WeightedLine;
+use plan::{PlanLeg, PlannedPiece};
 
 pub use deviation::{Deviation, Location, TracePoint};
 pub use error::CompareError;
 pub use motion_deviation::MotionDeviation;
-pub use plan::Plan;
+pub use plan::PlannedTrajectory;
 pub use torques::TorqueDifference;
 
 /// Result of comparing a recording with a plan.
@@ -160,16 +160,16 @@ pub struct StopTime {
 ///
 /// [`CompareError`] if there is nothing to compare, if the recording is of another program, or if
 /// it does not contain the whole program.
-pub fn compare(plan: &Plan, measured: &JointLog) -> Result<Comparison, CompareError> {
+pub fn compare(plan: &PlannedTrajectory, measured: &JointLog) -> Result<Comparison, CompareError> {
     let legs = plan.legs();
     if legs.is_empty() || plan.curve.length() <= 0.0 {
         return Err(CompareError::PlanStands);
     }
     check(plan, measured)?;
-    let noise = Noise::of(measured);
+    let noise = RecordingNoise::of(measured);
     let followed = follow::find(plan, &legs, measured, &noise)?;
     let mut losses = Vec::new();
-    let timing = Timing::new(plan, &legs, measured, &noise, &followed, &mut losses)?;
+    let timing = PassingTimes::new(plan, &legs, measured, &noise, &followed, &mut losses)?;
     let (departure, arrival) = (timing.departure, timing.arrival);
 
     let standing_s = plan.standing_s();
@@ -213,7 +213,7 @@ pub fn compare(plan: &Plan, measured: &JointLog) -> Result<Comparison, CompareEr
 }
 
 /// Checks that a log can be compared at all.
-fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
+fn check(plan: &PlannedTrajectory, log: &JointLog) -> Result<(), CompareError> {
     let samples = log.t_s.len().min(log.q_rad.len());
     if samples < 4 || log.t_s.len() != log.q_rad.len() {
         return Err(CompareError::TooFewSamples { samples });
@@ -244,7 +244,7 @@ fn check(plan: &Plan, log: &JointLog) -> Result<(), CompareError> {
 fn report_gaps(
     log: &JointLog,
     samples: std::ops::Range<usize>,
-    noise: &Noise,
+    noise: &RecordingNoise,
     losses: &mut Vec<String>,
 ) {
     let t_s = &log.t_s[samples];
@@ -266,7 +266,7 @@ fn report_gaps(
 /// Checks that the robot does not rest or move elsewhere beyond an edge at which no rest was
 /// recorded. A recording that is cut to the motion has no samples beyond.
 fn stands_elsewhere(
-    plan: &Plan,
+    plan: &PlannedTrajectory,
     log: &JointLog,
     edge: &Edge,
     name: &'static str,
@@ -291,21 +291,21 @@ const BEYOND_S: f64 = 0.1;
 const EDGE_GAP_S: f64 = 0.05;
 
 /// Times at which the robot passed the planned starts and ends of motions.
-struct Timing {
+struct PassingTimes {
     departure: Edge,
     arrival: Edge,
     /// Departure and arrival of each leg, in s of the recording.
-    legs: Vec<(Leg, Option<f64>, Option<f64>)>,
+    legs: Vec<(PlanLeg, Option<f64>, Option<f64>)>,
     /// Motion changes within legs: planned and recorded time.
     passes: Vec<(f64, Option<f64>)>,
 }
 
-impl Timing {
+impl PassingTimes {
     fn new(
-        plan: &Plan,
-        legs: &[Leg],
+        plan: &PlannedTrajectory,
+        legs: &[PlanLeg],
         log: &JointLog,
-        noise: &Noise,
+        noise: &RecordingNoise,
         followed: &Followed,
         losses: &mut Vec<String>,
     ) -> Result<Self, CompareError> {
@@ -389,9 +389,9 @@ impl Timing {
         }
     }
 
-    fn motions(&self, plan: &Plan) -> Vec<MotionTime> {
+    fn motions(&self, plan: &PlannedTrajectory) -> Vec<MotionTime> {
         let (first, last) = (self.legs[0].0.start_s, self.legs[self.legs.len() - 1].0.end_s);
-        let row = |pieces: &[Piece]| {
+        let row = |pieces: &[PlannedPiece]| {
             let (start, end) = (&pieces[0], &pieces[pieces.len() - 1]);
             let planned_start_s = start.start_s;
             let planned_end_s = if end.kind == PieceKind::Settle { end.start_s } else { end.end_s };
@@ -419,8 +419,8 @@ impl Timing {
         plan.pieces.chunk_by(|a, b| a.motion == b.motion).map(row).collect()
     }
 
-    fn stops(&self, plan: &Plan) -> Vec<StopTime> {
-        let stop = |pair: &[(Leg, Option<f64>, Option<f64>)]| StopTime {
+    fn stops(&self, plan: &PlannedTrajectory) -> Vec<StopTime> {
+        let stop = |pair: &[(PlanLeg, Option<f64>, Option<f64>)]| StopTime {
             after_motion: plan.motion_at(pair[0].0.end_s - 1e-9),
             planned_s: pair[1].0.start_s - pair[0].0.end_s,
             real_s: pair[1].1.zip(pair[0].2).map(|(leaves, arrives)| leaves - arrives),
@@ -431,10 +431,10 @@ impl Timing {
 
 /// Finds the times at which the robot passed planned positions.
 struct Finder<'a> {
-    plan: &'a Plan,
-    legs: &'a [Leg],
+    plan: &'a PlannedTrajectory,
+    legs: &'a [PlanLeg],
     log: &'a JointLog,
-    noise: &'a Noise,
+    noise: &'a RecordingNoise,
     followed: &'a Followed,
     /// Length of each leg, in rad.
     lengths: Vec<f64>,
@@ -445,10 +445,10 @@ const ABOUT_RAD: f64 = 0.05;
 
 impl<'a> Finder<'a> {
     fn new(
-        plan: &'a Plan,
-        legs: &'a [Leg],
+        plan: &'a PlannedTrajectory,
+        legs: &'a [PlanLeg],
         log: &'a JointLog,
-        noise: &'a Noise,
+        noise: &'a RecordingNoise,
         followed: &'a Followed,
     ) -> Self {
         let arc = |t_s| plan.curve.arc_at(t_s);
@@ -493,7 +493,8 @@ impl<'a> Finder<'a> {
         };
         let end_s = before.map_or(0.0, |before| self.legs[before].end_s);
         let start_s = self.legs.get(after).map_or(self.plan.cycle_time_s(), |leg| leg.start_s);
-        let stop = Stop { curve, at_s, leg_rad, speed_rad_s, stand_s: start_s - end_s, side };
+        let stop =
+            PlannedStop { curve, at_s, leg_rad, speed_rad_s, stand_s: start_s - end_s, side };
         stop.find(self.log, from..to.max(from), self.noise)
     }
 
@@ -527,7 +528,7 @@ impl<'a> Finder<'a> {
 
     /// Returns the times at which the robot passes motion changes within legs.
     fn passes(&self) -> Vec<(f64, Option<f64>)> {
-        let begins = |pair: &&[Piece]| {
+        let begins = |pair: &&[PlannedPiece]| {
             let moves = pair.iter().all(|piece| piece.kind.moves());
             moves && pair[0].motion != pair[1].motion
         };
@@ -565,7 +566,7 @@ impl<'a> Finder<'a> {
             let speed = norm(&self.plan.curve.at(place_s).1);
             (place_s - plan_s, log.t_s[i], speed * speed)
         });
-        let line = Line::fit(points)?;
+        let line = WeightedLine::fit(points)?;
         // Two motions may meet at a reversal; the time is then between the two samples.
         Some(line.zero.clamp(log.t_s[before], log.t_s[sample]))
     }

@@ -19,8 +19,11 @@ impl Estimate {
     /// Returns the mean of independent observations, each with its standard deviation; none without
     /// observations.
     pub(crate) fn mean(observations: &[(f64, f64)]) -> Option<Self> {
-        let rows =
-            observations.iter().map(|&(value, deviation)| Row { by: [1.0], value, deviation });
+        let rows = observations.iter().map(|&(value, deviation)| LinearRow {
+            by: [1.0],
+            value,
+            deviation,
+        });
         let line = Linear::fit(&rows.collect::<Vec<_>>())?;
         Some(line.at([1.0]))
     }
@@ -54,7 +57,7 @@ impl fmt::Display for Estimate {
 
 /// Observation of a sum of unknown coefficients, each times a known factor.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row<const N: usize> {
+pub(crate) struct LinearRow<const N: usize> {
     pub(crate) by: [f64; N],
     pub(crate) value: f64,
     /// Standard deviation of the observation.
@@ -77,7 +80,7 @@ impl<const N: usize> Linear<N> {
     /// The observations may scatter more than their standard deviations, since the robot itself
     /// does. The variance that explains the excess is added to each of them (Mandel and Paule
     /// 1970).
-    pub(crate) fn fit(rows: &[Row<N>]) -> Option<Self> {
+    pub(crate) fn fit(rows: &[LinearRow<N>]) -> Option<Self> {
         let degrees = rows.len().checked_sub(N)?;
         let solve = |excess: f64| {
             let mut normal = SMatrix::<f64, N, N>::zeros();
@@ -89,7 +92,7 @@ impl<const N: usize> Linear<N> {
             }
             let normal = normal.cholesky()?;
             let coefficients = normal.solve(&right);
-            let off = |row: &Row<N>| row.value - SVector::from(row.by).dot(&coefficients);
+            let off = |row: &LinearRow<N>| row.value - SVector::from(row.by).dot(&coefficients);
             let scatter: f64 = rows.iter().map(|row| row.weight(excess) * off(row).powi(2)).sum();
             Some((coefficients, normal.inverse(), scatter))
         };
@@ -127,7 +130,7 @@ impl<const N: usize> Linear<N> {
     }
 }
 
-impl<const N: usize> Row<N> {
+impl<const N: usize> LinearRow<N> {
     fn weight(&self, excess: f64) -> f64 {
         (self.deviation.powi(2) + excess).recip()
     }

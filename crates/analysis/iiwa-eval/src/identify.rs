@@ -42,7 +42,7 @@ use iiwa_kin::{Robot, vector::distance};
 use iiwa_path::{JointPath, PathOptions};
 
 use self::{
-    courses::{Courses, Section},
+    courses::{Courses, RecordedSection},
     findings::Findings,
     observer::Observer,
     stops::FollowedStops,
@@ -57,7 +57,7 @@ pub use self::{
         TcpBlendObservation, Why,
     },
     ramp_estimates::RampEstimates,
-    recording::Recording,
+    recording::RecordedRun,
     torque_estimates::{LoadEstimate, TorqueEstimates},
 };
 
@@ -71,10 +71,13 @@ pub use self::{
 /// # Errors
 ///
 /// If a program cannot be planned for `model`, or a recording shows nothing of its program.
-pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identified, IdentifyError> {
+pub fn identify(
+    recordings: &[RecordedRun<'_>],
+    model: &Robot,
+) -> Result<Identified, IdentifyError> {
     let mut findings = Findings::default();
     let mut followed_courses = Vec::new();
-    for (recording, Recording { program, log }) in recordings.iter().enumerate() {
+    for (recording, RecordedRun { program, log }) in recordings.iter().enumerate() {
         let watched = Watched::new(recording, program, log, model)
             .map_err(|fault| IdentifyError::Program { recording, fault })?;
         let sections = observe(&watched, &mut findings)?;
@@ -101,7 +104,10 @@ pub fn identify(recordings: &[Recording<'_>], model: &Robot) -> Result<Identifie
 }
 
 /// Evaluates one recording and returns the sections in which it follows its program.
-fn observe(watched: &Watched<'_>, findings: &mut Findings) -> Result<Vec<Section>, IdentifyError> {
+fn observe(
+    watched: &Watched<'_>,
+    findings: &mut Findings,
+) -> Result<Vec<RecordedSection>, IdentifyError> {
     let Watched { recording, log, path, .. } = watched;
     let recording = *recording;
     let Some(mut followed) = stops::follow(path, log, 0) else {
@@ -121,7 +127,7 @@ fn observe(watched: &Watched<'_>, findings: &mut Findings) -> Result<Vec<Section
         for passage in passages {
             tcp_blends::observe(watched, passage, findings);
             let (steps, samples) = (passage.steps.clone(), passage.samples.clone());
-            sections.push(Section { steps, samples });
+            sections.push(RecordedSection { steps, samples });
         }
         if let Some(motion) = *lost_in {
             let reason = Why::NotFollowed;

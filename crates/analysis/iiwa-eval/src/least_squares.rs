@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 /// Model with `N` parameters. Samples are visited one by one, so that residuals need no memory.
-pub(crate) trait Model<const N: usize> {
+pub(crate) trait FitModel<const N: usize> {
     /// Calls `each` for every sample with its residual (observed minus model) and the derivatives
     /// of the model by its parameters.
     fn samples(&self, parameters: &[f64; N], each: impl FnMut(f64, [f64; N]));
@@ -59,15 +59,15 @@ fn hold<const N: usize>(normal: &mut SMatrix<f64, N, N>, parameter: usize) {
 
 /// Sums over all samples.
 #[derive(Clone)]
-struct Sums<const N: usize> {
+struct NormalSums<const N: usize> {
     normal: SMatrix<f64, N, N>,
     gradient: SVector<f64, N>,
     squares: f64,
     count: usize,
 }
 
-impl<const N: usize> Sums<N> {
-    fn of(model: &impl Model<N>, parameters: &[f64; N]) -> Self {
+impl<const N: usize> NormalSums<N> {
+    fn of(model: &impl FitModel<N>, parameters: &[f64; N]) -> Self {
         let mut sums =
             Self { normal: SMatrix::zeros(), gradient: SVector::zeros(), squares: 0.0, count: 0 };
         model.samples(parameters, |residual, derivatives| {
@@ -127,7 +127,7 @@ impl<const N: usize> Sums<N> {
 /// imperfect model, so that several of them count as one: the factor of a first-order
 /// autoregression, 1 for white noise.
 fn dependence<const N: usize>(
-    model: &impl Model<N>,
+    model: &impl FitModel<N>,
     parameters: &[f64; N],
     squares: f64,
     count: usize,
@@ -156,19 +156,19 @@ const MIN_RESIDUAL: f64 = 1e-9;
 /// Fits by least squares with the method of Levenberg and Marquardt, with some parameters fixed;
 /// none with too few samples, or if the samples do not determine the parameters.
 pub(crate) fn fit<const N: usize>(
-    model: &impl Model<N>,
+    model: &impl FitModel<N>,
     start: [f64; N],
     held: [bool; N],
 ) -> Option<Fit<N>> {
     let mut parameters = start;
     let mut damping = 1e-4;
-    let mut sums = Sums::of(model, &parameters).hold(&held);
+    let mut sums = NormalSums::of(model, &parameters).hold(&held);
     let lower_bounds = model.lower_bounds();
     for _ in 0..MAX_STEPS {
         let next = sums.step(&parameters, &lower_bounds, damping).map(|step| {
             let next: [f64; N] =
                 std::array::from_fn(|i| (parameters[i] + step[i]).max(lower_bounds[i]));
-            (next, Sums::of(model, &next).hold(&held))
+            (next, NormalSums::of(model, &next).hold(&held))
         });
         match next {
             Some((next, candidate)) if candidate.squares <= sums.squares => {

@@ -20,8 +20,8 @@ mod quantile;
 mod virtual_robot;
 
 pub use compare::{
-    CompareError, Comparison, CycleTime, Deviation, Location, MotionDeviation, MotionTime, Plan,
-    StopTime, TorqueDifference, TracePoint, compare,
+    CompareError, Comparison, CycleTime, Deviation, Location, MotionDeviation, MotionTime,
+    PlannedTrajectory, StopTime, TorqueDifference, TracePoint, compare,
 };
 pub use estimate::Estimate;
 pub use load_planning::LoadPlanning;

@@ -22,14 +22,14 @@ fn rounding_rad(log: &JointLog, joint: usize, stride: usize) -> f64 {
 
 /// Properties of a recording that are known before it is compared.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Noise {
+pub(crate) struct RecordingNoise {
     /// Standard deviation of each joint's position, in rad.
     pub(crate) joints_rad: Joints,
     /// Typical time between two samples, in s.
     pub(crate) step_s: f64,
 }
 
-impl Noise {
+impl RecordingNoise {
     /// Estimates the noise from third differences, which contain noise and jerk: at rest, at
     /// constant speed and at constant acceleration they contain only noise, so that a low quantile
     /// of them is evaluated.

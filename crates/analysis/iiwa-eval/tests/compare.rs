@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use fastrand::Rng;
-use iiwa_eval::{CompareError, Comparison, Plan, compare};
+use iiwa_eval::{CompareError, Comparison, PlannedTrajectory, compare};
 use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 use iiwa_program::MotionType;
@@ -31,7 +31,7 @@ fn acceleration() -> Timing {
 
 fn compared(trajectory: &Trajectory, tape: Tape) -> Comparison {
     let log = tape.record(trajectory, &mut Rng::with_seed(7));
-    compare(&Plan::from_trajectory(trajectory), &log).unwrap()
+    compare(&PlannedTrajectory::from_trajectory(trajectory), &log).unwrap()
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn times_are_found_in_noise() {
             for (planned, measured) in
                 [(jerk(), jerk()), (acceleration(), jerk()), (acceleration(), acceleration())]
             {
-                let plan = Plan::from_trajectory(&trajectory(text, planned));
+                let plan = PlannedTrajectory::from_trajectory(&trajectory(text, planned));
                 let real = trajectory(text, measured);
                 let log = tape.record(&real, &mut Rng::with_seed(11));
                 let c = compare(&plan, &log).unwrap();
@@ -215,7 +215,7 @@ fn the_program_is_found_among_others() {
     let real: Vec<_> = FIXTURES.iter().map(|text| trajectory(text, jerk())).collect();
     let tapes: Vec<_> = [0, 1, 2, 1].iter().map(|k| pauses.record(&real[*k], &mut rng)).collect();
     let log = joined(&tapes);
-    let c = compare(&Plan::from_trajectory(&real[1]), &log).unwrap();
+    let c = compare(&PlannedTrajectory::from_trajectory(&real[1]), &log).unwrap();
     assert!(c.cycle_time.error_s.abs() < 1e-3, "{:?}", c.cycle_time);
     let first_s = real[0].cycle_time_s() + 1.4 + 2.0 + 0.7;
     assert!((c.departure_s - first_s).abs() < 0.01, "{} {first_s}", c.departure_s);
@@ -223,7 +223,7 @@ fn the_program_is_found_among_others() {
 }
 
 fn refused(plan: &str, log: &JointLog) -> CompareError {
-    compare(&Plan::from_trajectory(&trajectory(plan, jerk())), log).unwrap_err()
+    compare(&PlannedTrajectory::from_trajectory(&trajectory(plan, jerk())), log).unwrap_err()
 }
 
 #[test]
@@ -303,7 +303,7 @@ fn gaps_are_stated_and_never_hide_an_edge() {
         let (t_s, q_rad) = remaining.map(|(t, q)| (*t, *q)).unzip();
         JointLog::new(t_s, q_rad)
     };
-    let plan = Plan::from_trajectory(&real);
+    let plan = PlannedTrajectory::from_trajectory(&real);
     let end_s = 0.5 + real.motion_time_s();
     let c = compare(&plan, &without(3.0, 3.2)).unwrap();
     assert!(c.cycle_time.error_s.abs() < 1e-6 && c.losses.len() == 1, "{:?}", c.losses);
@@ -322,7 +322,7 @@ fn an_arm_at_rest_elsewhere_is_refused() {
         "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, -60, 0, 90, 0] },
             { "type": "ptp", "joints_deg": [20, 0, 0, -30, 0, 90, 0] }] }"#;
     let trajectory = trajectory(BEND, jerk());
-    let plan = Plan::from_trajectory(&trajectory);
+    let plan = PlannedTrajectory::from_trajectory(&trajectory);
     let mut shift_rad = [0.0; 7];
     shift_rad[0] = -1_f64.to_radians();
     let tape = Tape { before_s: 0.5, after_s: 0.5, shift_rad, ..Tape::default() };

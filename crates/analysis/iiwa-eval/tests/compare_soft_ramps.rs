@@ -4,7 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use fastrand::Rng;
-use iiwa_eval::{Plan, compare};
+use iiwa_eval::{PlannedTrajectory, compare};
 use iiwa_traj::{JerkOptions, Timing};
 
 use crate::tape::{Tape, trajectory};
@@ -28,7 +28,7 @@ fn jerk() -> Timing {
 /// recordings of a robot that executes `sunrise` at an override, compared with a plan.
 fn worst_s(planned: Timing, noise_rad: f64, override_share: f64) -> f64 {
     let real = trajectory(PTPS, sunrise());
-    let plan = Plan::from_trajectory(&trajectory(PTPS, planned));
+    let plan = PlannedTrajectory::from_trajectory(&trajectory(PTPS, planned));
     let mut worst: f64 = 0.0;
     for (seed, phase) in (0..6).zip([0.0, 0.13, 0.37, 0.5, 0.71, 0.9]) {
         let section = override_share.recip();

@@ -1,6 +1,6 @@
 //! Recorded torques compared with those of a plan.
 
-use iiwa_eval::{Plan, VirtualRobot, compare};
+use iiwa_eval::{PlannedTrajectory, VirtualRobot, compare};
 use iiwa_kin::{Load, Robot};
 use iiwa_plan::PlanOptions;
 use iiwa_program::Program;
@@ -23,7 +23,7 @@ fn torques_differ_by_noise_and_by_unknown_loads() {
     robot.torque_noise_nm = Some(0.05);
     let plan =
         PlanOptions::with_timing(Timing::jerk_limited()).plan(&program, &robot.robot).unwrap();
-    let plan = Plan::from_trajectory(&plan);
+    let plan = PlannedTrajectory::from_trajectory(&plan);
     let log = robot.run(&program).unwrap();
     let actual = compare(&plan, &log).unwrap().torques.unwrap();
     println!("{actual:#?}");

@@ -6,7 +6,7 @@ use fastrand::Rng;
 use iiwa_eval::{
     Estimate, VirtualRobot,
     experiment::{self, CycleTimeCase, Trial},
-    identify::{Identified, IdentifyError, Recording, Why, identify},
+    identify::{Identified, IdentifyError, RecordedRun, Why, identify},
 };
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
@@ -53,7 +53,7 @@ fn identified(trials: &[Trial], logs: &[JointLog]) -> Identified {
     let recordings: Vec<_> = trials
         .iter()
         .zip(logs)
-        .map(|(trial, log)| Recording { program: &trial.program, log })
+        .map(|(trial, log)| RecordedRun { program: &trial.program, log })
         .collect();
     identify(&recordings, &Robot::default()).unwrap()
 }
@@ -276,7 +276,7 @@ fn program(motions: impl IntoIterator<Item = Ptp>) -> Program {
 
 fn identified_from(program: &Program) -> Identified {
     let log = VirtualRobot::new(Robot::default(), 1).run(program).unwrap();
-    identify(&[Recording { program, log: &log }], &Robot::default()).unwrap()
+    identify(&[RecordedRun { program, log: &log }], &Robot::default()).unwrap()
 }
 
 #[test]
@@ -318,7 +318,7 @@ fn jerk_that_does_not_show() {
     let t_s: Vec<f64> = (0..1500).map(|i| f64::from(i) * 1e-3).collect();
     let q_rad = t_s.iter().map(|t_s| plan.at(t_s - 0.2).q).collect();
     let log = JointLog::new(t_s, q_rad);
-    let recording = Recording { program: &swing, log: &log };
+    let recording = RecordedRun { program: &swing, log: &log };
     let actual = identify(&[recording], &Robot::default()).unwrap();
     assert_eq!(actual.jerk_rad_s3, [None; 7]);
     let acceleration = actual.acceleration_rad_s2[0].unwrap().value.to_degrees();
@@ -334,7 +334,7 @@ fn every_run_counts() {
     let t_s = (0..3).flat_map(|run| once.t_s.iter().map(move |t_s| t_s + f64::from(run) * whole_s));
     let q_rad = once.q_rad.repeat(3);
     let log = JointLog::new(t_s.collect(), q_rad);
-    let recording = Recording { program: &swing, log: &log };
+    let recording = RecordedRun { program: &swing, log: &log };
     let actual = identify(&[recording], &Robot::default()).unwrap();
     assert_eq!(actual.velocity_rad_s[0].unwrap().count, 6);
     assert_eq!(actual.settle.unwrap().mean_s.count, 3);
@@ -346,19 +346,19 @@ fn another_program_is_refused() {
     let log = VirtualRobot::new(Robot::default(), 1).run(&far).unwrap();
     let mut elsewhere = far.clone();
     elsewhere.start = Start::Joints([0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    let recording = Recording { program: &elsewhere, log: &log };
+    let recording = RecordedRun { program: &elsewhere, log: &log };
     let error = identify(&[recording], &Robot::default()).unwrap_err();
     assert!(matches!(error, IdentifyError::NotThere { .. }), "{error}");
 
     let other = program([ptp([0.0, 60.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
-    let recording = Recording { program: &other, log: &log };
+    let recording = RecordedRun { program: &other, log: &log };
     let error = identify(&[recording], &Robot::default()).unwrap_err();
     assert!(matches!(error, IdentifyError::NoMotion { .. }), "{error}");
 
     // Identified up to the end of the recording.
     let mut longer = far.clone();
     longer.motions.push(Motion::Ptp(ptp([60.0, 60.0, 0.0, 0.0, 0.0, 0.0, 0.0])));
-    let recording = Recording { program: &longer, log: &log };
+    let recording = RecordedRun { program: &longer, log: &log };
     let actual = identify(&[recording], &Robot::default()).unwrap();
     assert!(actual.velocity_rad_s[0].is_some());
     assert_eq!((actual.left_out[0].motion.index(), actual.left_out[0].why), (1, Why::NotFollowed));
@@ -402,7 +402,7 @@ fn motions_off_the_path_are_left_out() {
     let ran = program([swing(0), home(), swing(3), home(), swing(1), home()]);
     let other_program = program([swing(0), home(), swing(1), home(), swing(3), home()]);
     let log = VirtualRobot::new(Robot::default(), 1).run(&ran).unwrap();
-    let recording = Recording { program: &other_program, log: &log };
+    let recording = RecordedRun { program: &other_program, log: &log };
     let actual = identify(&[recording], &Robot::default()).unwrap();
     let shown = actual.velocity_rad_s.map(|limit| limit.is_some());
     assert_eq!(shown, [true, false, false, false, false, false, false]);
@@ -421,7 +421,7 @@ fn figures_hidden_by_noise_are_uncertain() {
         robot.noise_rad = noise_rad;
         let log = robot.run(&swings).unwrap();
         let actual =
-            identify(&[Recording { program: &swings, log: &log }], &Robot::default()).unwrap();
+            identify(&[RecordedRun { program: &swings, log: &log }], &Robot::default()).unwrap();
         for (actual, truth) in [
             (actual.velocity_rad_s[1], limits.velocity_rad_s[1]),
             (actual.acceleration_rad_s2[1], limits.acceleration_rad_s2[1]),
@@ -450,7 +450,7 @@ fn other_motions_are_left_out() {
         })
         .collect();
     let log = JointLog::new(t_s, q_rad);
-    let recording = Recording { program: &swing, log: &log };
+    let recording = RecordedRun { program: &swing, log: &log };
     let actual = identify(&[recording], &Robot::default()).unwrap();
     assert_eq!(actual.velocity_rad_s, [None; 7]);
     assert!(matches!(actual.left_out[0].why, Why::NoLine(_)), "{:?}", actual.left_out);
@@ -483,7 +483,7 @@ fn blends_that_begin_and_end_at_other_distances() {
     };
     let q_rad = t_s.iter().map(|t_s| at(*t_s)).collect();
     let log = JointLog::new(t_s, q_rad);
-    let recording = Recording { program: &turn, log: &log };
+    let recording = RecordedRun { program: &turn, log: &log };
     let actual = identify(&[recording], &Robot::default()).unwrap();
     let unequal = actual.unequal_share.unwrap();
     assert!((unequal.value - 1.0).abs() < 1e-3, "{unequal:?} {:?}", actual.blends);
@@ -506,7 +506,7 @@ fn motions_before_and_after_do_not_blur_the_program() {
     log.t_s.drain(..from);
     log.q_rad.drain(..from);
     let swing = program([ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])]);
-    let recording = Recording { program: &swing, log: &log };
+    let recording = RecordedRun { program: &swing, log: &log };
     let actual = identify(&[recording], &Robot::default()).unwrap();
     assert_eq!(actual.left_out, []);
     let velocity = actual.velocity_rad_s[0].unwrap().value.to_degrees();

@@ -4,7 +4,7 @@
 
 use iiwa_eval::{
     VirtualRobot, experiment,
-    identify::{Recording, TorqueEstimates, identify},
+    identify::{RecordedRun, TorqueEstimates, identify},
 };
 use iiwa_kin::{Friction, Load, Mount, Robot};
 use iiwa_log::JointLog;
@@ -31,7 +31,8 @@ fn arm(seed: u64) -> VirtualRobot {
 }
 
 fn identify_torques(runs: &[(&Program, &JointLog)], model: &Robot) -> TorqueEstimates {
-    let recordings: Vec<_> = runs.iter().map(|(program, log)| Recording { program, log }).collect();
+    let recordings: Vec<_> =
+        runs.iter().map(|(program, log)| RecordedRun { program, log }).collect();
     identify(&recordings, model).unwrap().torques.unwrap()
 }
 
@@ -137,7 +138,7 @@ fn loads_that_change_are_not_mixed() {
     let mut program = program();
     program.motions.insert(4, Motion::Load(Some(LOAD)));
     let log = arm(3).run(&program).unwrap();
-    let recordings = [Recording { program: &program, log: &log }];
+    let recordings = [RecordedRun { program: &program, log: &log }];
     let identified = identify(&recordings, &Robot::default()).unwrap();
     assert_eq!(identified.torques, None);
     assert_eq!(identified.unused_torques.len(), 1);

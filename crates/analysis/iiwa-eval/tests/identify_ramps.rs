@@ -5,7 +5,7 @@
 
 use iiwa_eval::{
     Estimate, VirtualRobot,
-    identify::{Identified, LineLaw, LineObservation, Recording, identify},
+    identify::{Identified, LineLaw, LineObservation, RecordedRun, identify},
 };
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::JointLog;
@@ -102,7 +102,7 @@ fn check(identified: &Identified, shares: [f64; 3]) {
 fn a_law_is_found_without_noise() {
     let program = program(&POSES_DEG);
     let log = recorded(&program, 0.0, 1e-3);
-    let recordings = [Recording { program: &program, log: &log }];
+    let recordings = [RecordedRun { program: &program, log: &log }];
     check(&identify(&recordings, &Robot::default()).unwrap(), [1e-6, 1e-3, 1e-3]);
 }
 
@@ -110,7 +110,7 @@ fn a_law_is_found_without_noise() {
 fn a_law_is_found_in_noise() {
     let program = program(&POSES_DEG);
     let log = recorded(&program, 3e-6, 1e-3);
-    let recordings = [Recording { program: &program, log: &log }];
+    let recordings = [RecordedRun { program: &program, log: &log }];
     check(&identify(&recordings, &Robot::default()).unwrap(), [1e-4, 0.02, 0.02]);
 }
 
@@ -121,14 +121,14 @@ fn a_law_is_found_at_an_override() {
     program.workcell.speed_override = Some(0.3);
     let log = recorded(&program, 1e-9, 0.05);
     let actual =
-        identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
+        identify(&[RecordedRun { program: &program, log: &log }], &Robot::default()).unwrap();
     check(&actual, [1e-6, 1e-3, 1e-3]);
     // Pauses are not scaled.
     assert!(actual.settle.unwrap().mean_s.holds(0.05));
     // At another override than stated, the limits differ.
     program.workcell.speed_override = None;
     let actual =
-        identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
+        identify(&[RecordedRun { program: &program, log: &log }], &Robot::default()).unwrap();
     let velocity = actual.velocity_rad_s[0].unwrap().value;
     assert!((velocity / (0.3 * 1.0003 * 98_f64.to_radians()) - 1.0).abs() < 0.01, "{velocity}");
 }
@@ -141,7 +141,7 @@ fn one_half_predicts_the_other() {
     let observed = program(&every_other(0));
     let log = recorded(&observed, 3e-6, 1e-3);
     let actual =
-        identify(&[Recording { program: &observed, log: &log }], &Robot::default()).unwrap();
+        identify(&[RecordedRun { program: &observed, log: &log }], &Robot::default()).unwrap();
     let robot = actual.robot(&Robot::default());
     let unseen = program(&every_other(1));
     let durations = |robot: &Robot| -> Vec<f64> {
@@ -167,6 +167,6 @@ fn unexplained_motions_are_reported() {
         *t_s = slow(*t_s);
     }
     let actual =
-        identify(&[Recording { program: &program, log: &log }], &Robot::default()).unwrap();
+        identify(&[RecordedRun { program: &program, log: &log }], &Robot::default()).unwrap();
     assert!(actual.lines.iter().any(LineObservation::is_unexplained), "{:?}", actual.lines);
 }

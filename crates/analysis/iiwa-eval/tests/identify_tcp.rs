@@ -6,7 +6,7 @@ use fastrand::Rng;
 use iiwa_eval::{
     Estimate, VirtualRobot,
     experiment::{TcpSeries, Trial, tcp_blends},
-    identify::{CoursePart, Identified, Recording, Why, identify},
+    identify::{CoursePart, Identified, RecordedRun, Why, identify},
 };
 use iiwa_kin::{
     Joints, Pose, Robot, Status,
@@ -28,7 +28,7 @@ fn any_robot(model: &Robot, random: &mut Rng) -> Robot {
 }
 
 fn identified(trial: &Trial, log: &JointLog, model: &Robot) -> Identified {
-    identify(&[Recording { program: &trial.program, log }], model).unwrap()
+    identify(&[RecordedRun { program: &trial.program, log }], model).unwrap()
 }
 
 /// Angles at which kappa is checked, in degrees.

@@ -5,7 +5,7 @@
 use iiwa_eval::{
     LoadPlanning, VirtualRobot,
     experiment::{self, LoadEffect, LoadVerdict},
-    identify::{Recording, identify},
+    identify::{RecordedRun, identify},
 };
 use iiwa_kin::{Load, Robot};
 
@@ -17,7 +17,7 @@ fn effect(planning: LoadPlanning, mass_kg: f64, noise_rad: f64, seed: u64) -> Lo
     let trials = experiment::load(&load);
     let logs = trials.each_ref().map(|trial| robot.run(&trial.program).unwrap());
     let recordings: Vec<_> = std::iter::zip(&trials, &logs)
-        .map(|(trial, log)| Recording { program: &trial.program, log })
+        .map(|(trial, log)| RecordedRun { program: &trial.program, log })
         .collect();
     LoadEffect::new(&identify(&recordings, &model).unwrap(), &load, &model).unwrap()
 }

@@ -18,7 +18,7 @@ const LAST_LINK: usize = 7;
 
 /// Convex shape of the arm.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub(crate) struct ArmPart {
     pub(crate) link: usize,
     /// Link number in results: the link, or [`TOOL`].
     pub(crate) shown: usize,
@@ -82,7 +82,7 @@ impl<H: Borrow<Polyhedron>> Volume<H> {
 
 /// Part of the arm at a pose.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Body<'a> {
+pub(crate) struct PosedPart<'a> {
     pub(crate) center: Vector,
     /// Unit vector; unused for a sphere.
     pub(crate) axis: Vector,
@@ -90,7 +90,7 @@ pub(crate) struct Body<'a> {
 }
 
 /// Returns all parts of `robot`.
-pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
+pub(crate) fn parts(robot: &Robot) -> Vec<ArmPart> {
     let d = robot.dh().map(|row| row.d_m);
     let links = robot.link_shapes();
     let mut parts = Vec::new();
@@ -110,7 +110,7 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
                 Along::Z => Vector::Z,
             };
             let bound = form.bound();
-            parts.push(Part { link, shown: link, center, axis, form, bound, reach });
+            parts.push(ArmPart { link, shown: link, center, axis, form, bound, reach });
         }
     }
     parts
@@ -118,7 +118,7 @@ pub(crate) fn parts(robot: &Robot) -> Vec<Part> {
 
 /// Returns all parts of `robot` with links made of the convex hulls of meshes, in the link frames.
 /// Links without meshes keep their cylinders and spheres.
-pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Part> {
+pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<ArmPart> {
     let d = robot.dh().map(|row| row.d_m);
     let plain = parts(robot).into_iter().filter(|part| hulls[part.link].is_empty());
     let meshed = hulls.iter().enumerate().flat_map(|(link, hulls)| {
@@ -130,14 +130,14 @@ pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Par
             let bound = hull.bound(Vector::length);
             let form = Volume::Hull { sides: [Vector::X, Vector::Y], hull: Arc::new(hull) };
             let reach = reaches(&d, link, way, axis_distance);
-            Part { link, shown: link, center, axis: Vector::Z, form, bound, reach }
+            ArmPart { link, shown: link, center, axis: Vector::Z, form, bound, reach }
         })
     });
     plain.chain(meshed).collect()
 }
 
 /// Returns the parts of a tool, which is given in the flange frame.
-pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
+pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<ArmPart> {
     let d = robot.dh().map(|row| row.d_m);
     let part = |shape: &ToolShape| {
         let (center_m, rpy_rad, form) = match shape.form {
@@ -178,7 +178,7 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<Part> {
             round => round,
         };
         let reach = reaches(&d, LAST_LINK, way, axis_distance);
-        Part { link: LAST_LINK, shown: TOOL, center, axis: turn(Vector::Z), form, bound, reach }
+        ArmPart { link: LAST_LINK, shown: TOOL, center, axis: turn(Vector::Z), form, bound, reach }
     };
     tool.iter().map(part).collect()
 }
@@ -220,7 +220,7 @@ fn distance_from_axis(center: Vector, along: Along, form: &Volume<Arc<Polyhedron
     }
 }
 
-impl Part {
+impl ArmPart {
     /// Returns true if only joint 1 moves the part: it is rotationally symmetric about the axis of
     /// its own link, the second one.
     pub(crate) fn turns_with_joint_1(&self) -> bool {
@@ -234,10 +234,10 @@ impl Part {
     }
 
     /// Returns the part with its link frame at `pose`.
-    pub(crate) fn at(&self, pose: &Pose) -> Body<'_> {
+    pub(crate) fn at(&self, pose: &Pose) -> PosedPart<'_> {
         let rows = pose.rotation.map(Vector::from);
         let turn = |v: Vector| Vector::from(rows.map(|row| row.dot(v)));
-        Body {
+        PosedPart {
             center: Vector::from(pose.position_m) + turn(self.center),
             axis: turn(self.axis),
             form: self.form.turned(turn),
@@ -245,7 +245,7 @@ impl Part {
     }
 }
 
-impl Body<'_> {
+impl PosedPart<'_> {
     /// Returns the largest `direction . x` of the points, for a `direction` of any length.
     pub(crate) fn farthest_along(&self, direction: Vector) -> f64 {
         -self.nearest_along(-direction)
@@ -274,9 +274,9 @@ impl Body<'_> {
         &self,
         point: impl Fn(Vector) -> Vector,
         turn: impl Fn(Vector) -> Vector,
-    ) -> Body<'_> {
+    ) -> PosedPart<'_> {
         let form = self.form.turned(&turn);
-        Body { center: point(self.center), axis: turn(self.axis), form }
+        PosedPart { center: point(self.center), axis: turn(self.axis), form }
     }
 
     /// Returns the three axes of a box or a hull; for other forms only the last one is set.
@@ -319,7 +319,7 @@ impl Body<'_> {
 }
 
 /// Support mapping: the farthest point along a direction, in the frame of the part.
-impl SupportMap for Body<'_> {
+impl SupportMap for PosedPart<'_> {
     fn local_support_point(&self, direction: Vector) -> Vector {
         match self.form {
             Volume::Ball { radius } => self.center + radius * direction.normalize_or_zero(),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use iiwa_kin::{Pose, Robot, UrdfError, UrdfMesh};
 
 use crate::{
@@ -40,7 +40,7 @@ pub enum ArmMeshError {
     #[error("the mesh {file:?}: {reason}, at {place}")]
     File {
         /// Place in the URDF.
-        place: Place,
+        place: JsonPlace,
         /// File name in the URDF.
         file: String,
         /// Reason.
@@ -50,7 +50,7 @@ pub enum ArmMeshError {
     #[error("the mesh {file:?}: {error}, at {place}")]
     Mesh {
         /// Place in the URDF.
-        place: Place,
+        place: JsonPlace,
         /// File name in the URDF.
         file: String,
         /// Error of reading the mesh.
@@ -63,7 +63,7 @@ pub enum ArmMeshError {
     )]
     Extent {
         /// Place in the URDF.
-        place: Place,
+        place: JsonPlace,
         /// File name in the URDF.
         file: String,
         /// Largest extent, in m.
@@ -73,7 +73,7 @@ pub enum ArmMeshError {
     #[error("the mesh {file:?}: {error}, at {place}")]
     NotSolid {
         /// Place in the URDF.
-        place: Place,
+        place: JsonPlace,
         /// File name in the URDF.
         file: String,
         /// Reason.
@@ -84,7 +84,7 @@ pub enum ArmMeshError {
 impl ArmMeshError {
     /// Returns the place in the URDF, if there is one.
     #[must_use]
-    pub fn place(&self) -> Option<&Place> {
+    pub fn place(&self) -> Option<&JsonPlace> {
         match self {
             Self::None => None,
             Self::Urdf(error) => Some(error.place()),

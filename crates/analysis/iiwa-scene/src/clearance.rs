@@ -6,7 +6,7 @@ use iiwa_kin::{Joints, Robot, part_name};
 use serde::Serialize;
 
 use crate::{
-    arm::{self, Body, Part},
+    arm::{self, ArmPart, PosedPart},
     arm_meshes::ArmMeshes,
     distance::{Near, near, near_part},
     links::{FIRST_LINK, MAY_TOUCH},
@@ -59,7 +59,7 @@ pub enum Other {
 pub struct ArmInScene {
     pub(crate) robot: Robot,
     scene: Arc<Scene>,
-    pub(crate) parts: Arc<[Part]>,
+    pub(crate) parts: Arc<[ArmPart]>,
     pub(crate) obstacles: Arc<[Placed]>,
     /// Flags for all pairs of a part and an obstacle, part by part: `true` if the pair is checked.
     counts: Arc<[bool]>,
@@ -71,12 +71,12 @@ pub struct ArmInScene {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pair {
     pub(crate) part: usize,
-    pub(crate) target: Target,
+    pub(crate) target: ClearanceTarget,
 }
 
 /// Obstacle or other part, by its index.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Target {
+pub(crate) enum ClearanceTarget {
     Obstacle(usize),
     Part(usize),
 }
@@ -107,7 +107,7 @@ impl ArmInScene {
         Self::of_parts(robot, scene, [parts, arm::tool_parts(robot, scene.tool())].concat())
     }
 
-    fn of_parts(robot: &Robot, scene: &Scene, parts: Vec<Part>) -> Self {
+    fn of_parts(robot: &Robot, scene: &Scene, parts: Vec<ArmPart>) -> Self {
         let obstacles: Arc<[Placed]> =
             scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect();
         let ignored: HashSet<(usize, usize)> =
@@ -127,7 +127,7 @@ impl ArmInScene {
         };
         let self_pairs = (0..parts.len()).flat_map(|part| {
             let others = (0..parts.len()).filter(move |other| may_touch(part, *other));
-            others.map(move |other| Pair { part, target: Target::Part(other) })
+            others.map(move |other| Pair { part, target: ClearanceTarget::Part(other) })
         });
         let self_pairs = self_pairs.collect();
         Self {
@@ -148,7 +148,7 @@ impl ArmInScene {
         };
         let of_scene = (0..self.parts.len()).flat_map(move |part| {
             let counting = move |o: &usize| self.counts[part * obstacles + o];
-            let pair = move |o| Pair { part, target: Target::Obstacle(o) };
+            let pair = move |o| Pair { part, target: ClearanceTarget::Obstacle(o) };
             (0..obstacles).filter(counting).map(pair)
         });
         of_scene.chain(self_pairs.iter().copied())
@@ -198,14 +198,14 @@ impl ArmInScene {
     /// either end.
     #[must_use]
     pub fn travel_bound_m(&self, from_rad: &Joints, to_rad: &Joints) -> f64 {
-        let way = |part: &Part| {
+        let way = |part: &ArmPart| {
             let ways = std::iter::zip(from_rad, to_rad).map(|(from, to)| (to - from).abs());
             std::iter::zip(ways, &part.reach).map(|(way, reach)| way * reach).sum()
         };
         self.parts.iter().map(way).fold(0.0, f64::max)
     }
 
-    pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<Body<'_>> {
+    pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<PosedPart<'_>> {
         let poses = self.robot.link_poses(joints_rad);
         self.parts.iter().map(|part| part.at(&poses[part.link])).collect()
     }
@@ -214,7 +214,7 @@ impl ArmInScene {
     pub(crate) fn nearest(
         &self,
         among: Among,
-        bodies: &[Body<'_>],
+        bodies: &[PosedPart<'_>],
         max_distance: f64,
     ) -> Option<(Pair, Near)> {
         let body = |part: usize| bodies[part];
@@ -243,12 +243,12 @@ impl ArmInScene {
     pub(crate) fn lower_bound<'b>(
         &self,
         Pair { part, target }: Pair,
-        body: &Body<'_>,
-        bodies: impl Fn(usize) -> Body<'b>,
+        body: &PosedPart<'_>,
+        bodies: impl Fn(usize) -> PosedPart<'b>,
     ) -> f64 {
         let of_center = match target {
-            Target::Obstacle(o) => self.obstacles[o].distance(body.center),
-            Target::Part(other) => {
+            ClearanceTarget::Obstacle(o) => self.obstacles[o].distance(body.center),
+            ClearanceTarget::Part(other) => {
                 (bodies(other).center - body.center).length() - self.parts[other].bound
             }
         };
@@ -260,13 +260,13 @@ impl ArmInScene {
     pub(crate) fn near<'b>(
         &self,
         pair: Pair,
-        body: &Body<'_>,
-        bodies: impl Fn(usize) -> Body<'b>,
+        body: &PosedPart<'_>,
+        bodies: impl Fn(usize) -> PosedPart<'b>,
         max_distance: f64,
     ) -> Option<Near> {
         match pair.target {
-            Target::Obstacle(o) => near(body, &self.obstacles[o], max_distance),
-            Target::Part(other) => near_part(body, &bodies(other), max_distance),
+            ClearanceTarget::Obstacle(o) => near(body, &self.obstacles[o], max_distance),
+            ClearanceTarget::Part(other) => near_part(body, &bodies(other), max_distance),
         }
     }
 
@@ -275,8 +275,8 @@ impl ArmInScene {
             distance_m: near.distance,
             link: self.parts[part].shown,
             other: match target {
-                Target::Obstacle(o) => Other::Obstacle(o),
-                Target::Part(other) => Other::Link(self.parts[other].shown),
+                ClearanceTarget::Obstacle(o) => Other::Obstacle(o),
+                ClearanceTarget::Part(other) => Other::Link(self.parts[other].shown),
             },
             on_link_m: near.on_part.into(),
             on_other_m: near.on_other.into(),
@@ -286,7 +286,7 @@ impl ArmInScene {
 
 /// Returns true if two parts of the arm have the same positive distance at all poses, such as a
 /// part that rotates about the centre of a sphere. Parts that touch are checked in any case.
-fn is_rigid(robot: &Robot, part: &Part, other: &Part) -> bool {
+fn is_rigid(robot: &Robot, part: &ArmPart, other: &ArmPart) -> bool {
     /// Number of poses, distributed over the joint ranges. Two of them decide almost all pairs.
     const POSES: u32 = 16;
     /// Error of two distances, in m.
@@ -305,7 +305,7 @@ fn is_rigid(robot: &Robot, part: &Part, other: &Part) -> bool {
 
 /// Returns true if a part that only joint 1 moves has the same positive distance from an obstacle
 /// at all poses. A part that touches an obstacle is checked in any case.
-fn is_constant(robot: &Robot, part: &Part, obstacle: &Placed) -> bool {
+fn is_constant(robot: &Robot, part: &ArmPart, obstacle: &Placed) -> bool {
     /// Number of angles of joint 1: 5 degrees apart, between which the shoulder moves by less than
     /// a centimetre.
     const TURNS: u32 = 72;

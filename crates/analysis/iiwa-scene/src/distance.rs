@@ -7,7 +7,7 @@ use parry3d_f64::{
 };
 
 use crate::{
-    arm::{Body, Volume},
+    arm::{PosedPart, Volume},
     placed::{Placed, PlacedBox, PlacedPlane},
 };
 
@@ -45,13 +45,13 @@ trait Convex: SupportMap {
     fn farthest_along(&self, direction: Vector) -> f64;
 }
 
-impl Convex for Body<'_> {
+impl Convex for PosedPart<'_> {
     fn nearest(&self, point: Vector) -> Vector {
-        Body::nearest(self, point)
+        PosedPart::nearest(self, point)
     }
 
     fn farthest_along(&self, direction: Vector) -> f64 {
-        Body::farthest_along(self, direction)
+        PosedPart::farthest_along(self, direction)
     }
 }
 
@@ -68,7 +68,7 @@ impl Convex for Cuboid {
 
 /// Returns the nearest points of `body` and `obstacle`; none if they are farther apart than
 /// `max_distance` for certain.
-pub(crate) fn near(body: &Body<'_>, obstacle: &Placed, max_distance: f64) -> Option<Near> {
+pub(crate) fn near(body: &PosedPart<'_>, obstacle: &Placed, max_distance: f64) -> Option<Near> {
     match obstacle {
         Placed::Plane(plane) => Some(to_plane(body, plane)),
         Placed::Box(cuboid) => match body.form {
@@ -78,7 +78,7 @@ pub(crate) fn near(body: &Body<'_>, obstacle: &Placed, max_distance: f64) -> Opt
     }
 }
 
-fn to_plane(body: &Body<'_>, plane: &PlacedPlane) -> Near {
+fn to_plane(body: &PosedPart<'_>, plane: &PlacedPlane) -> Near {
     let on_part = body.local_support_point(-plane.normal);
     let height = plane.normal.dot(on_part) - plane.offset;
     if height <= 0.0 {
@@ -98,7 +98,7 @@ fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
 }
 
 /// Returns the nearest points of a body and a box, computed in the box frame.
-fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, max_distance: f64) -> Option<Near> {
+fn solid_to_box(body: &PosedPart<'_>, cuboid: &PlacedBox, max_distance: f64) -> Option<Near> {
     let local = body.map(|point| cuboid.in_box_frame(point), |axis| cuboid.turn_back(axis));
     let shape = Cuboid::new(cuboid.half);
     let (on_part, on_box) = nearest_points(&local, local.center, &shape, max_distance)?;
@@ -107,7 +107,11 @@ fn solid_to_box(body: &Body<'_>, cuboid: &PlacedBox, max_distance: f64) -> Optio
 
 /// Returns the nearest points of two parts; none if they are farther apart than `max_distance` for
 /// certain.
-pub(crate) fn near_part(body: &Body<'_>, other: &Body<'_>, max_distance: f64) -> Option<Near> {
+pub(crate) fn near_part(
+    body: &PosedPart<'_>,
+    other: &PosedPart<'_>,
+    max_distance: f64,
+) -> Option<Near> {
     let (on_part, on_other) = nearest_points(body, body.center, other, max_distance)?;
     Some(Near::between(on_part, on_other))
 }
@@ -248,7 +252,7 @@ mod tests {
                 _ => Volume::Hull { sides, hull: &hulls[i % hulls.len()] },
             };
             let center = [(); 3].map(|()| between(-1.0, 1.0)).into();
-            let body = Body { center, axis, form };
+            let body = PosedPart { center, axis, form };
             let size_m = [1.0, 1.5, 2.0].map(|max_size| between(0.005, max_size));
             let form = Form::Box { center_m: [0.0; 3], size_m, rpy_rad: turns[1] };
             let obstacle = Placed::new(&form);

@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use iiwa_json::{Place, Step, locate};
+use iiwa_json::{JsonPlace, JsonStep, locate};
 
 use crate::links::IgnoredPair;
 
 /// Fault of a scene. Obstacles are numbered from 0 here and from 1 in the message.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Fault {
+pub enum SceneFault {
     /// Too many obstacles.
     #[error("the scene has {found} obstacles; it may have {max}")]
     TooMany {
@@ -103,11 +103,11 @@ pub enum Fault {
     },
 }
 
-impl Fault {
+impl SceneFault {
     /// Returns the place of the fault in the scene's JSON text.
     #[must_use]
-    pub fn place_in(&self, text: &str) -> Place {
-        use Step::{Index, Key};
+    pub fn place_in(&self, text: &str) -> JsonPlace {
+        use JsonStep::{Index, Key};
         let obstacles = Key("obstacles");
         match *self {
             Self::TooMany { .. } => locate(text, &[obstacles]),

@@ -24,10 +24,10 @@ use crate::{
 ///
 /// Clones share the data.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ConvexHull(Arc<Surface>);
+pub struct ConvexHull(Arc<HullSurface>);
 
 #[derive(Debug, PartialEq)]
-struct Surface {
+struct HullSurface {
     corners_m: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
 }
@@ -93,7 +93,7 @@ impl ConvexHull {
             *corner = u32::try_from(place).unwrap_or(u32::MAX);
         }
         let corners_m = used.iter().map(|point| points[*point as usize].into()).collect();
-        Ok(Self(Arc::new(Surface { corners_m, triangles })))
+        Ok(Self(Arc::new(HullSurface { corners_m, triangles })))
     }
 
     /// Returns the corners, in m.

@@ -68,7 +68,7 @@ mod wire;
 
 pub use arm_meshes::{ArmMeshError, ArmMeshes};
 pub use clearance::{ArmInScene, Clearance, Other};
-pub use fault::Fault;
+pub use fault::SceneFault;
 pub use hull::{ConvexHull, NotSolid};
 pub use links::IgnoredPair;
 pub use mesh::{Patch, TriangleMesh, TriangleMeshError};

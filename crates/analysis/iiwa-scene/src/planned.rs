@@ -7,8 +7,8 @@ use iiwa_program::MotionIndex;
 use iiwa_traj::{Piece, Section, Trajectory};
 
 use crate::{
-    arm::Body,
-    clearance::{Among, ArmInScene, Clearance, Pair, Target},
+    arm::PosedPart,
+    clearance::{Among, ArmInScene, Clearance, ClearanceTarget, Pair},
     distance::Near,
     span::Span,
 };
@@ -71,7 +71,7 @@ impl ArmInScene {
         among: Among,
         sections: impl IntoIterator<Item = &'a Section>,
     ) -> Option<PlannedClearance> {
-        let mut search = Search::new(self, among);
+        let mut search = ClearanceSearch::new(self, among);
         sections.into_iter().for_each(|section| search.go(section, section.pieces()));
         search.best
     }
@@ -82,7 +82,7 @@ impl ArmInScene {
     pub fn clearances(&self, section: &Section) -> Vec<PlannedClearance> {
         let motions = section.pieces().chunk_by(|a, b| a.motion == b.motion);
         let nearest = |pieces: &[Piece]| {
-            let mut search = Search::new(self, Among::Obstacles);
+            let mut search = ClearanceSearch::new(self, Among::Obstacles);
             search.go(section, pieces);
             search.best
         };
@@ -91,7 +91,7 @@ impl ArmInScene {
 }
 
 /// Search for the smallest clearance.
-struct Search<'a> {
+struct ClearanceSearch<'a> {
     arm: &'a ArmInScene,
     among: Among,
     best: Option<PlannedClearance>,
@@ -105,13 +105,13 @@ struct Search<'a> {
 
 /// Piece in motion that is searched.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct SearchedPiece<'a> {
     section: &'a Section,
     piece: &'a Piece,
     segment: &'a dyn Segment,
 }
 
-impl<'a> Search<'a> {
+impl<'a> ClearanceSearch<'a> {
     fn new(arm: &'a ArmInScene, among: Among) -> Self {
         Self { arm, among, best: None, nearest_m: f64::MAX, open: Vec::new() }
     }
@@ -119,7 +119,7 @@ impl<'a> Search<'a> {
     /// Searches `pieces` of `section` for a smaller clearance than the best so far.
     fn go(&mut self, section: &Section, pieces: &[Piece]) {
         let moving = |piece| {
-            let place = |segment| Place { section, piece, segment };
+            let place = |segment| SearchedPiece { section, piece, segment };
             section.segment(piece).map(place)
         };
         for piece in pieces {
@@ -169,8 +169,8 @@ impl<'a> Search<'a> {
 
     /// Searches the span from `middle - half` to `middle + half` of s, with the remaining `pairs`
     /// of [`Self::open`], and its halves if any pair remains.
-    fn span(&mut self, place: Place<'_>, middle: f64, half: f64, pairs: Range<usize>) {
-        let Place { section, piece, segment } = place;
+    fn span(&mut self, place: SearchedPiece<'_>, middle: f64, half: f64, pairs: Range<usize>) {
+        let SearchedPiece { section, piece, segment } = place;
         if let Some(best) = &self.best
             && best.clearance.distance_m == 0.0
             && section.time_at(piece, middle - half) >= best.at_s
@@ -180,7 +180,7 @@ impl<'a> Search<'a> {
         let arm = self.arm;
         let span = Span::new(&arm.robot, segment, middle, half);
         let first = self.open.len();
-        let at = |part: usize| -> Body<'_> {
+        let at = |part: usize| -> PosedPart<'_> {
             let part = &arm.parts[part];
             part.at(&span.poses[part.link])
         };
@@ -193,8 +193,8 @@ impl<'a> Search<'a> {
             let part = &arm.parts[pair.part];
             // Obstacles are fixed to the base, link 0.
             let from = match pair.target {
-                Target::Obstacle(_) => 0,
-                Target::Part(other) => arm.parts[other].link,
+                ClearanceTarget::Obstacle(_) => 0,
+                ClearanceTarget::Part(other) => arm.parts[other].link,
             };
             // Pairs of the same part are adjacent, so that its body and bounds are reused.
             let (body, moves) = match last {
@@ -210,8 +210,8 @@ impl<'a> Search<'a> {
             };
             self.add(piece, pair, &near, || section.time_at(piece, middle));
             let beyond = match pair.target {
-                Target::Obstacle(o) => arm.obstacles[o].farthest_along(near.away),
-                Target::Part(other) => at(other).farthest_along(near.away),
+                ClearanceTarget::Obstacle(o) => arm.obstacles[o].farthest_along(near.away),
+                ClearanceTarget::Part(other) => at(other).farthest_along(near.away),
             };
             let lower_bound = span.lower_bound((part, &body), (from, moves), &near, beyond);
             if lower_bound < self.best_m() - TOLERANCE_M {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::{
     extent::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
-    fault::Fault,
+    fault::SceneFault,
     links::{FIRST_LINK, IgnoredPair, TOOL},
     tool::ToolShape,
 };
@@ -66,17 +66,17 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A [`Fault`] with the invalid obstacle and the reason.
-    pub fn new(obstacles: Vec<Obstacle>) -> Result<Self, Fault> {
+    /// A [`SceneFault`] with the invalid obstacle and the reason.
+    pub fn new(obstacles: Vec<Obstacle>) -> Result<Self, SceneFault> {
         if obstacles.len() > MAX_OBSTACLES {
-            return Err(Fault::TooMany { found: obstacles.len(), max: MAX_OBSTACLES });
+            return Err(SceneFault::TooMany { found: obstacles.len(), max: MAX_OBSTACLES });
         }
         let mut names = HashMap::with_capacity(obstacles.len());
         for (index, obstacle) in obstacles.iter().enumerate() {
             obstacle.check(index)?;
             if let Some(other) = names.insert(obstacle.name.as_str(), index) {
                 let name = obstacle.name.clone();
-                return Err(Fault::SameName { obstacle: index, other, name });
+                return Err(SceneFault::SameName { obstacle: index, other, name });
             }
         }
         Ok(Self { obstacles, ..Self::default() })
@@ -86,10 +86,10 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A [`Fault`] with the invalid shape and the reason.
-    pub fn with_tool(self, tool: Vec<ToolShape>) -> Result<Self, Fault> {
+    /// A [`SceneFault`] with the invalid shape and the reason.
+    pub fn with_tool(self, tool: Vec<ToolShape>) -> Result<Self, SceneFault> {
         if tool.len() > MAX_TOOL_SHAPES {
-            return Err(Fault::LargeTool { found: tool.len(), max: MAX_TOOL_SHAPES });
+            return Err(SceneFault::LargeTool { found: tool.len(), max: MAX_TOOL_SHAPES });
         }
         tool.iter().enumerate().try_for_each(|(index, shape)| shape.check(index))?;
         Ok(Self { tool, ..self })
@@ -100,13 +100,13 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Fault::Ignored`] if the link or the obstacle does not exist.
-    pub fn with_ignored(self, ignored: Vec<IgnoredPair>) -> Result<Self, Fault> {
+    /// [`SceneFault::Ignored`] if the link or the obstacle does not exist.
+    pub fn with_ignored(self, ignored: Vec<IgnoredPair>) -> Result<Self, SceneFault> {
         let exists = |it: &IgnoredPair| {
             (FIRST_LINK..=TOOL).contains(&it.link) && it.obstacle < self.obstacles.len()
         };
         match ignored.iter().position(|it| !exists(it)) {
-            Some(pair) => Err(Fault::Ignored { pair, found: ignored[pair] }),
+            Some(pair) => Err(SceneFault::Ignored { pair, found: ignored[pair] }),
             None => Ok(Self { ignored, ..self }),
         }
     }
@@ -132,18 +132,20 @@ impl Scene {
 
 impl Obstacle {
     /// Checks the obstacle at index `obstacle`; the error is the first fault.
-    fn check(&self, obstacle: usize) -> Result<(), Fault> {
+    fn check(&self, obstacle: usize) -> Result<(), SceneFault> {
         let length = self.name.chars().count();
         if length == 0 || length > MAX_NAME || self.name.contains(char::is_control) {
             let found = self.name.chars().take(MAX_NAME).collect();
-            return Err(Fault::Name { obstacle, found, max: MAX_NAME });
+            return Err(SceneFault::Name { obstacle, found, max: MAX_NAME });
         }
         let within = |key, values: &[f64; 3], min: f64, max: f64| match values
             .iter()
             .position(|value| !(min..=max).contains(value))
         {
             None => Ok(()),
-            Some(axis) => Err(Fault::Range { obstacle, key, axis, found: values[axis], min, max }),
+            Some(axis) => {
+                Err(SceneFault::Range { obstacle, key, axis, found: values[axis], min, max })
+            }
         };
         match &self.form {
             Form::Box { center_m, size_m, rpy_rad } => {
@@ -155,7 +157,7 @@ impl Obstacle {
                 within("point", point_m, -MAX_M, MAX_M)?;
                 within("normal", normal, f64::MIN, f64::MAX)?;
                 if normal.iter().all(|value| *value == 0.0) {
-                    return Err(Fault::NoDirection { obstacle });
+                    return Err(SceneFault::NoDirection { obstacle });
                 }
                 Ok(())
             }

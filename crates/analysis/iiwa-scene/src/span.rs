@@ -28,7 +28,7 @@ use iiwa_path::Segment;
 use parry3d_f64::math::Vector;
 
 use crate::{
-    arm::{Body, Part},
+    arm::{ArmPart, PosedPart},
     distance::Near,
 };
 
@@ -40,17 +40,17 @@ pub(crate) struct Span {
     /// Part of the motion that is not along the tangent, in rad.
     bend: Joints,
     /// Twist of each link along the tangent, from the middle to an end.
-    twists: [Twist; 8],
+    twists: [VelocityField; 8],
 }
 
 /// Velocity field `turn x p + shift`.
 #[derive(Clone, Copy, Default)]
-struct Twist {
+struct VelocityField {
     turn: Vector,
     shift: Vector,
 }
 
-impl Sub for Twist {
+impl Sub for VelocityField {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
@@ -60,7 +60,7 @@ impl Sub for Twist {
 
 /// Bounds of the motion of a part within a span, in m.
 #[derive(Clone, Copy)]
-pub(crate) struct Moves {
+pub(crate) struct MotionBounds {
     /// Bound from the middle of the span to any point in it.
     pub(crate) max_m: f64,
     /// Bound of the part that is not along the tangent.
@@ -74,20 +74,20 @@ impl Span {
         let bend = segment.bend_bound_rad().map(|bound| 0.5 * half * half * bound);
         let tangent = state.dq.map(|dq| half * dq);
         let poses = robot.link_poses(&state.q);
-        let mut twists = [Twist::default(); 8];
+        let mut twists = [VelocityField::default(); 8];
         for j in 0..7 {
             let pose = &poses[j + 1];
             let turn = tangent[j] * Vector::from(pose.rotation.map(|row| row[2]));
-            let Twist { turn: inner, shift } = twists[j];
+            let VelocityField { turn: inner, shift } = twists[j];
             let shift = shift - turn.cross(pose.position_m.into());
-            twists[j + 1] = Twist { turn: inner + turn, shift };
+            twists[j + 1] = VelocityField { turn: inner + turn, shift };
         }
         let motion = std::array::from_fn(|j| tangent[j].abs() + bend[j]);
         Self { poses, motion, bend, twists }
     }
 
     /// Returns the bounds of the motion of `part` in the frame of the link `from`.
-    pub(crate) fn moves(&self, part: &Part, from: usize) -> Moves {
+    pub(crate) fn moves(&self, part: &ArmPart, from: usize) -> MotionBounds {
         let (mut max_m, mut off_tangent) = (0.0, 0.0);
         let mut inner = 0.0;
         for j in from..7 {
@@ -99,7 +99,7 @@ impl Span {
             off_tangent += (self.bend[j] + arcs) * part.reach[j];
             inner += motion;
         }
-        Moves { max_m, off_tangent }
+        MotionBounds { max_m, off_tangent }
     }
 
     /// Returns a lower bound of the distance of a part with the bounds `moves` in the frame of the
@@ -107,8 +107,8 @@ impl Span {
     /// `beyond` the extent of that shape in the direction of [`Near::away`].
     pub(crate) fn lower_bound(
         &self,
-        (part, body): (&Part, &Body<'_>),
-        (from, moves): (usize, Moves),
+        (part, body): (&ArmPart, &PosedPart<'_>),
+        (from, moves): (usize, MotionBounds),
         near: &Near,
         beyond: f64,
     ) -> f64 {
@@ -117,7 +117,7 @@ impl Span {
             return by_reach;
         }
         let away = near.away;
-        let Twist { turn, shift } = self.twists[part.link] - self.twists[from];
+        let VelocityField { turn, shift } = self.twists[part.link] - self.twists[from];
         // away . (p + turn x p + shift), as a linear function of p.
         let (change, shift) = (away.cross(turn), away.dot(shift));
         let forth = body.nearest_along(away + change) + shift;

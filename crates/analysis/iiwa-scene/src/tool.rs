@@ -2,7 +2,7 @@
 
 use crate::{
     extent::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
-    fault::Fault,
+    fault::SceneFault,
     hull::ConvexHull,
 };
 
@@ -25,7 +25,7 @@ use crate::{
 /// let height_m = robot.flange_position(&down)[2];
 /// assert!((clearance.distance_m - (height_m - 0.2)).abs() < 1e-9);
 /// assert_eq!(clearance.link, 8);
-/// # Ok::<(), iiwa_scene::Fault>(())
+/// # Ok::<(), iiwa_scene::SceneFault>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolShape {
@@ -77,12 +77,12 @@ pub enum ToolForm {
 
 impl ToolShape {
     /// Checks the shape at index `shape`; the error is the first fault.
-    pub(crate) fn check(&self, shape: usize) -> Result<(), Fault> {
+    pub(crate) fn check(&self, shape: usize) -> Result<(), SceneFault> {
         let within = |key, values: &[f64], [min, max]: [f64; 2]| {
             let wrong = values.iter().position(|value| !(min..=max).contains(value));
             wrong.map_or(Ok(()), |axis| {
                 let axis_of = (values.len() > 1).then_some(axis);
-                Err(Fault::Tool { shape, key, axis: axis_of, found: values[axis], min, max })
+                Err(SceneFault::Tool { shape, key, axis: axis_of, found: values[axis], min, max })
             })
         };
         let turns = [-MAX_ANGLE_RAD, MAX_ANGLE_RAD];

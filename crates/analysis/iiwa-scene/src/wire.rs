@@ -7,7 +7,7 @@ mod ignored;
 mod numbers;
 mod tool;
 
-use iiwa_json::{Object, Step, Unread, are_known, locate, read_version, tag, unknown};
+use iiwa_json::{JsonObject, JsonStep, Unread, are_known, locate, read_version, tag, unknown};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -89,17 +89,17 @@ impl Scene {
 fn obstacle(text: &str, index: usize, raw: &str) -> Result<Obstacle, SceneError> {
     let fail = |error: serde_json::Error| json_error(text, raw, Some(index), &error);
     let wrong = |message: String, key: Option<&str>| {
-        let path = [Step::Key("obstacles"), Step::Index(index)];
-        let path = path.into_iter().chain(key.map(Step::Key)).collect::<Vec<_>>();
+        let path = [JsonStep::Key("obstacles"), JsonStep::Index(index)];
+        let path = path.into_iter().chain(key.map(JsonStep::Key)).collect::<Vec<_>>();
         SceneError::Json { message, obstacle: Some(index), place: locate(text, &path) }
     };
     match tag(raw).map_err(fail)?.as_deref() {
         Some("box") => {
-            serde_json::from_str::<Object<BoxWire>>(raw).map_err(fail).map(|wire| wire.0.into())
+            serde_json::from_str::<JsonObject<BoxWire>>(raw).map_err(fail).map(|wire| wire.0.into())
         }
-        Some("plane") => {
-            serde_json::from_str::<Object<PlaneWire>>(raw).map_err(fail).map(|wire| wire.0.into())
-        }
+        Some("plane") => serde_json::from_str::<JsonObject<PlaneWire>>(raw)
+            .map_err(fail)
+            .map(|wire| wire.0.into()),
         Some(other) => Err(wrong(unknown("type", other, &KNOWN_TYPES), Some("type"))),
         None => Err(wrong(format!("it has no `type`; {}", are_known(&KNOWN_TYPES)), None)),
     }

@@ -4,7 +4,7 @@
 // Test helpers may panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use iiwa_scene::{Fault, Form, IgnoredPair, Obstacle, Scene, SceneError};
+use iiwa_scene::{Form, IgnoredPair, Obstacle, Scene, SceneError, SceneFault};
 use serde_json::json;
 
 use crate::documents::{GOOD, good_scenes, ignoring, wrong_scenes};
@@ -168,7 +168,7 @@ fn pairs_are_ignored_by_name() {
     let scene = Scene::from_json(GOOD).unwrap();
     for actual in [pair(1, 0), pair(9, 0), pair(2, 2)] {
         let error = scene.clone().with_ignored(vec![pair(3, 1), actual]);
-        assert_eq!(error, Err(Fault::Ignored { pair: 1, found: actual }));
+        assert_eq!(error, Err(SceneFault::Ignored { pair: 1, found: actual }));
     }
 }
 
@@ -178,7 +178,7 @@ fn scenes_made_in_code_are_checked() {
     let scene = |form| Scene::new(vec![Obstacle { name: "it".to_owned(), form }]);
     assert!(matches!(
         scene(cuboid([1.0, f64::NAN, 1.0])),
-        Err(Fault::Range { obstacle: 0, key: "size", axis: 1, .. })
+        Err(SceneFault::Range { obstacle: 0, key: "size", axis: 1, .. })
     ));
     let plane = |normal| Form::Plane { point_m: [0.0; 3], normal };
     assert!(scene(plane([0.0, f64::INFINITY, 0.0])).is_err());
@@ -190,7 +190,7 @@ fn scenes_made_in_code_are_checked() {
     }
     let same = Obstacle { name: "it".to_owned(), form: cuboid([1.0; 3]) };
     let many = (0..10_001).map(|i| Obstacle { name: i.to_string(), ..same.clone() });
-    assert_eq!(Scene::new(many.collect()), Err(Fault::TooMany { found: 10_001, max: 10_000 }));
+    assert_eq!(Scene::new(many.collect()), Err(SceneFault::TooMany { found: 10_001, max: 10_000 }));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use iiwa_kin::Joints;
 
-use crate::message::{Content, JointSample, Message, Timestamp, VERSION};
+use crate::message::{Content, CycleSample, Message, Timestamp, VERSION};
 
 /// Format of `joints` messages; all other messages are JSON.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -109,7 +109,7 @@ impl JointFormat {
             session: joints.session,
             seq: joints.seq,
             at: Timestamp::from_micros(joints.at_us),
-            content: Content::Joints(JointSample {
+            content: Content::Joints(CycleSample {
                 t_s: joints.t_s,
                 joints_rad: seven(&joints.joints_rad)?,
                 measured_nm: seven(&joints.measured_nm),
@@ -125,8 +125,8 @@ impl JointFormat {
     }
 }
 
-fn protobuf(message: &Message, sample: &JointSample) -> Vec<u8> {
-    let JointSample { t_s, joints_rad, measured_nm, external_nm } = sample;
+fn protobuf(message: &Message, sample: &CycleSample) -> Vec<u8> {
+    let CycleSample { t_s, joints_rad, measured_nm, external_nm } = sample;
     JointsProto {
         version: message.version,
         robot: message.robot.clone(),
@@ -141,7 +141,7 @@ fn protobuf(message: &Message, sample: &JointSample) -> Vec<u8> {
     .encode_to_vec()
 }
 
-fn cdr(message: &Message, sample: &JointSample) -> Vec<u8> {
+fn cdr(message: &Message, sample: &CycleSample) -> Vec<u8> {
     #[derive(Serialize)]
     struct Time {
         sec: i32,

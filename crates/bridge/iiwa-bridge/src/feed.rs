@@ -10,14 +10,14 @@ use std::{
 
 use iiwa_link::{
     Client, Published, Stream,
-    message::{DriveState, Presence, Signal, Status},
+    message::{DriveState, DriveStatus, Presence, Signal},
     threads::ThreadGroup,
 };
 
 use crate::{
     BridgeError,
     message::{
-        BridgeStatus, Content, JointSample, Kind, Message, RobotConditions, Timestamp, VERSION,
+        BridgeStatus, Content, CycleSample, Kind, Message, RobotConditions, Timestamp, VERSION,
     },
     robot::BridgedRobot,
     sink::Sink,
@@ -122,7 +122,7 @@ fn follow(mut stream: Stream, to: &Numbered, shutdown: &AtomicBool) {
             }
             Ok(Some(Published::Joints { t_s, joints_rad })) => {
                 let torques = torques.take().filter(|(at_s, ..)| *at_s == t_s);
-                to.send(Content::Joints(JointSample {
+                to.send(Content::Joints(CycleSample {
                     t_s,
                     joints_rad,
                     measured_nm: torques.map(|(_, measured_nm, _)| measured_nm),
@@ -142,8 +142,8 @@ fn follow(mut stream: Stream, to: &Numbered, shutdown: &AtomicBool) {
 
 /// Polls data that the stream does not contain.
 fn poll(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
-    let mut conditions = Repeated::default();
-    let mut io: Repeated<Vec<Signal>> = Repeated::default();
+    let mut conditions = RepeatedValue::default();
+    let mut io: RepeatedValue<Vec<Signal>> = RepeatedValue::default();
     let mut trouble = Trouble::default();
     let mut is_known = false;
     while !shutdown.load(Ordering::Relaxed) {
@@ -162,7 +162,7 @@ fn poll(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
         });
         // The stream contains changes only.
         match &status {
-            Some(Status { state, t_s: Some(t_s), .. }) if !is_known => {
+            Some(DriveStatus { state, t_s: Some(t_s), .. }) if !is_known => {
                 is_known = true;
                 to.send(Content::State { t_s: *t_s, state: *state });
             }
@@ -187,7 +187,7 @@ fn poll(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
     }
 }
 
-fn conditions_of(status: Option<Status>) -> RobotConditions {
+fn conditions_of(status: Option<DriveStatus>) -> RobotConditions {
     match status {
         None => RobotConditions {
             drive: Presence::Silent,
@@ -211,17 +211,17 @@ fn conditions_of(status: Option<Status>) -> RobotConditions {
 }
 
 /// A value that is forwarded when it has changed, or after an interval.
-struct Repeated<T> {
+struct RepeatedValue<T> {
     last: Option<(T, Instant)>,
 }
 
-impl<T> Default for Repeated<T> {
+impl<T> Default for RepeatedValue<T> {
     fn default() -> Self {
         Self { last: None }
     }
 }
 
-impl<T: Clone + PartialEq> Repeated<T> {
+impl<T: Clone + PartialEq> RepeatedValue<T> {
     fn changed(&mut self, value: T) -> Option<T> {
         let is_known = self
             .last

@@ -148,7 +148,7 @@ impl Kind {
 #[non_exhaustive]
 pub enum Content {
     /// Measured positions and torques, every FRI cycle.
-    Joints(JointSample),
+    Joints(CycleSample),
     /// The new state of the drive.
     State {
         /// Time stamp, in s.
@@ -189,7 +189,7 @@ impl Content {
 
 /// Measurements of the controller in an FRI cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct JointSample {
+pub struct CycleSample {
     /// Time stamp, in s.
     pub t_s: f64,
     /// Positions, in rad.

@@ -11,12 +11,12 @@ use std::{
 use bytes::Bytes;
 use iiwa_link::{
     LinkError, Published, Server,
-    message::{Body, DriveState, FriStatus, Refusal, Reply, Request, Status, to_json},
+    message::{DriveState, DriveStatus, FriStatus, Refusal, Reply, ReplyBody, Request, to_json},
     socket::SHORT_MESSAGE_BYTES,
-    transport::{Event, Listener, ListenerConfig, PeerId, Received, SocketKind},
+    transport::{Event, Listener, ListenerConfig, PeerId, ReceivedMessage, SocketKind},
 };
 
-use crate::message::{Content, JointSample, Message};
+use crate::message::{Content, CycleSample, Message};
 
 /// Maximum number of messages that wait for a subscriber, as in a drive.
 const BACKLOG: usize = 2000;
@@ -28,7 +28,7 @@ const NAP: Duration = Duration::from_millis(50);
 pub struct ReplayDrive {
     requests: Arc<Listener>,
     stream: Listener,
-    status: Arc<Mutex<Status>>,
+    status: Arc<Mutex<DriveStatus>>,
 }
 
 impl std::fmt::Debug for ReplayDrive {
@@ -45,7 +45,7 @@ impl ReplayDrive {
     /// An address is invalid, requires keys or cannot be bound.
     pub fn start(clients: &Server, requests: &str, stream: &str) -> Result<Self, LinkError> {
         let fri = FriStatus::new(FriStatus::SILENT, "poor");
-        let status = Arc::new(Mutex::new(Status::new(DriveState::Idle, fri)));
+        let status = Arc::new(Mutex::new(DriveStatus::new(DriveState::Idle, fri)));
         let shared_status = Arc::clone(&status);
         // Replies are sent over the socket that received the request.
         let socket: Arc<Mutex<Weak<Listener>>> = Arc::default();
@@ -83,7 +83,7 @@ impl ReplayDrive {
     fn show(&self, content: Content) {
         let mut status = self.status.lock().unwrap_or_else(PoisonError::into_inner);
         match content {
-            Content::Joints(JointSample { t_s, joints_rad, measured_nm, external_nm }) => {
+            Content::Joints(CycleSample { t_s, joints_rad, measured_nm, external_nm }) => {
                 status.joints_rad = Some(joints_rad);
                 status.t_s = Some(t_s);
                 if status.fri.session == FriStatus::SILENT {
@@ -151,12 +151,12 @@ impl<'a> Player<'a> {
 }
 
 /// Answers a request with the state, or with a refusal.
-fn answer(socket: &Listener, peer: PeerId, received: Received, status: Status) {
+fn answer(socket: &Listener, peer: PeerId, received: ReceivedMessage, status: DriveStatus) {
     let mut frames = received.frames;
     let Some(body) = frames.pop() else { return };
     let (id, request) = Request::from_json(&body);
     let answered = match request {
-        Ok(Request::State) => Ok(Body::Status(Box::new(status))),
+        Ok(Request::State) => Ok(ReplyBody::Status(Box::new(status))),
         Ok(_) => Err(Refusal::robot(
             "this is a recording that is played back: nothing can be moved or set",
         )),

@@ -21,7 +21,7 @@ mod spool_file;
 use std::{io, path::Path};
 
 pub use queue::{Level, Spool};
-pub use reader::{Record, SpoolReader};
+pub use reader::{QueueRecord, SpoolReader};
 
 /// Opens the queue in a folder, which is created if it is missing, and the reader of its remaining
 /// records.

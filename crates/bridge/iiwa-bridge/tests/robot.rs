@@ -14,7 +14,7 @@ use std::{
 use iiwa_bridge::{
     Bridge, BridgeOptions, BridgedRobot, Content, Kind, Message, Sink, Timestamp,
     commands::{CommandGate, CommandReply, MAX_COMMAND_BYTES},
-    message::{JointSample, RunPhase},
+    message::{CycleSample, RunPhase},
     replay::{Player, ReplayDrive},
 };
 use iiwa_cabinet::{Cabinet, CabinetConfig};
@@ -145,7 +145,7 @@ fn all_that_a_robot_does_is_passed_on_numbered_and_in_order() {
         .of(Kind::Joints)
         .iter()
         .map(|message| match message.content {
-            Content::Joints(JointSample { t_s, .. }) => t_s,
+            Content::Joints(CycleSample { t_s, .. }) => t_s,
             _ => panic!("{message:?}"),
         })
         .collect();
@@ -278,7 +278,7 @@ fn a_replay_is_followed_as_a_drive_and_moves_nothing() {
     let mut player = Player::new(&drive, 100.0);
     let mut next = || stream.next(Duration::from_secs(30)).unwrap();
     for seq in 0..200 {
-        let sample = JointSample {
+        let sample = CycleSample {
             t_s: 0.005 * seq as f64,
             joints_rad: [seq as f64 * 1e-3; 7],
             measured_nm: None,

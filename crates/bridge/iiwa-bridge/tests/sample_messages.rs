@@ -5,7 +5,7 @@ use std::net::{IpAddr, Ipv4Addr};
 use iiwa_bridge::{
     Content, Message, Timestamp,
     message::{
-        BridgeStatus, CommandCounts, JointSample, RobotConditions, RunKind, RunMessage, RunPhase,
+        BridgeStatus, CommandCounts, CycleSample, RobotConditions, RunKind, RunMessage, RunPhase,
         VERSION,
     },
     spool::Level,
@@ -54,8 +54,8 @@ fn conditions() -> RobotConditions {
 /// Returns one message of each kind, with all keys and with as few as permitted.
 pub(crate) fn all() -> Vec<Message> {
     let sample =
-        JointSample { t_s: 12.345, joints_rad: [0.1; 7], measured_nm: None, external_nm: None };
-    let full = JointSample { measured_nm: Some([1.0; 7]), external_nm: Some([0.5; 7]), ..sample };
+        CycleSample { t_s: 12.345, joints_rad: [0.1; 7], measured_nm: None, external_nm: None };
+    let full = CycleSample { measured_nm: Some([1.0; 7]), external_nm: Some([0.5; 7]), ..sample };
     let limit = BindingLimit { motion: 1, joint: None, kind: "cart_velocity".into(), share: 0.5 };
     let plan = RunPlan { cycle_time_s: 2.0, limited_by: vec![limit] };
     let label = RunLabel { program: Some("pick".to_owned()), plan: Some(plan), planned_for: None };

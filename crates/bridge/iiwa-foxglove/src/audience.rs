@@ -9,7 +9,9 @@ use std::{
 use axum::extract::ws::Message;
 use tokio::sync::{Notify, watch};
 
-use super::protocol::{Channel, Level, ServerMessage, Subscription, ViewerMessage, message_data};
+use super::protocol::{
+    Channel, ServerMessage, StatusLevel, Subscription, ViewerMessage, message_data,
+};
 
 /// Maximum number of messages queued for a slow viewer, less than two seconds and a megabyte;
 /// beyond this, the oldest are dropped.
@@ -19,13 +21,13 @@ const BACKLOG: usize = 512;
 #[derive(Debug)]
 pub(super) struct Audience {
     pub(super) channels: Vec<Channel>,
-    state: Mutex<State>,
+    state: Mutex<AudienceState>,
     /// `true` once the server ends.
     ended: watch::Sender<bool>,
 }
 
 #[derive(Debug, Default)]
-struct State {
+struct AudienceState {
     /// Viewers by number.
     viewers: BTreeMap<u64, Viewer>,
     /// Number of the next viewer.
@@ -52,7 +54,7 @@ impl Viewer {
         self.wake.notify_one();
     }
 
-    fn status(&mut self, level: Level, message: &str) {
+    fn status(&mut self, level: StatusLevel, message: &str) {
         self.queue(Message::text(ServerMessage::Status { level, message }.text()));
     }
 }
@@ -62,7 +64,7 @@ impl Audience {
         Self { channels, state: Mutex::default(), ended: watch::Sender::new(false) }
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, AudienceState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -109,7 +111,7 @@ impl Audience {
         state.last.insert(channel, data);
     }
 
-    fn send(state: &mut State, channel: u64, time_ns: u64, data: &[u8]) {
+    fn send(state: &mut AudienceState, channel: u64, time_ns: u64, data: &[u8]) {
         for viewer in state.viewers.values_mut() {
             if let Some(subscription) = viewer.subscriptions.get(&channel) {
                 let message = message_data(*subscription, time_ns, data);
@@ -121,7 +123,7 @@ impl Audience {
     /// Handles a viewer request, or replies with the reason for a refusal.
     pub(super) fn receive(&self, number: u64, text: &str) {
         let mut state = self.state();
-        let State { viewers, last, .. } = &mut *state;
+        let AudienceState { viewers, last, .. } = &mut *state;
         let Some(viewer) = viewers.get_mut(&number) else { return };
         match serde_json::from_str(text) {
             Ok(ViewerMessage::Subscribe { subscriptions }) => {
@@ -133,9 +135,12 @@ impl Audience {
                 viewer.subscriptions.retain(|_, id| !subscription_ids.contains(id));
             }
             Ok(ViewerMessage::Other) => {
-                viewer.status(Level::Error, "this server does not support that: viewers only read");
+                viewer.status(
+                    StatusLevel::Error,
+                    "this server does not support that: viewers only read",
+                );
             }
-            Err(error) => viewer.status(Level::Error, &format!("invalid message: {error}")),
+            Err(error) => viewer.status(StatusLevel::Error, &format!("invalid message: {error}")),
         }
     }
 
@@ -146,11 +151,14 @@ impl Audience {
         Subscription { id, channel_id }: Subscription,
     ) {
         if !self.channels.iter().any(|channel| channel.id == channel_id) {
-            viewer.status(Level::Error, &format!("unknown channel {channel_id}"));
+            viewer.status(StatusLevel::Error, &format!("unknown channel {channel_id}"));
         } else if viewer.subscriptions.contains_key(&channel_id) {
-            viewer.status(Level::Warning, &format!("already subscribed to channel {channel_id}"));
+            viewer.status(
+                StatusLevel::Warning,
+                &format!("already subscribed to channel {channel_id}"),
+            );
         } else if viewer.subscriptions.values().any(|other| *other == id) {
-            viewer.status(Level::Error, &format!("subscription {id} is in use"));
+            viewer.status(StatusLevel::Error, &format!("subscription {id} is in use"));
         } else {
             viewer.subscriptions.insert(channel_id, id);
             if let Some(data) = last.get(&channel_id) {

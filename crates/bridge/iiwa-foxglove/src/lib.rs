@@ -21,12 +21,12 @@ use std::{
 };
 
 use iiwa_kin::{Joints, Robot, RosNames};
-use iiwa_link::message::{IoValue, Sensors, Status};
-use iiwa_log::{Arm, Encoder, Frame, Topic, WriteError};
+use iiwa_link::message::{DriveStatus, IoValue, Sensors};
+use iiwa_log::{Arm, Encoder, FramePose, Topic, WriteError};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use self::{protocol::Channel, server::Server};
+use self::{protocol::Channel, server::FoxgloveServer};
 
 /// Maximum number of published joint states per second: more than a screen shows, and a divisor of
 /// the usual stream rates.
@@ -64,13 +64,13 @@ impl ViewersError {
 pub struct Viewers {
     encoder: Encoder,
     arm: Arm,
-    last: Option<Sample>,
-    server: Server,
+    last: Option<PublishedJoints>,
+    server: FoxgloveServer,
 }
 
 /// The joint state published last.
 #[derive(Clone, Copy)]
-struct Sample {
+struct PublishedJoints {
     /// Time since 1970.
     t: Duration,
     joints_rad: Joints,
@@ -104,7 +104,7 @@ impl Viewers {
                 &schema::inputs_outputs(),
             ),
         ];
-        let server = Server::listen(address, channels).map_err(|error| {
+        let server = FoxgloveServer::listen(address, channels).map_err(|error| {
             ViewersError::new(format!("cannot listen for viewers at {address}"), error)
         })?;
         let description = encoder.robot_description(arm.urdf()).map_err(unencoded)?.to_vec();
@@ -133,7 +133,7 @@ impl Viewers {
         if self.last.is_some_and(|last| slot(last.t) == slot(t)) {
             return Ok(());
         }
-        let before = self.last.replace(Sample { t, joints_rad: *joints_rad });
+        let before = self.last.replace(PublishedJoints { t, joints_rad: *joints_rad });
         self.publish(t, joints_rad, &mean_velocities(before.as_ref(), t, joints_rad))
             .map_err(unencoded)
     }
@@ -156,7 +156,7 @@ impl Viewers {
             audience.publish(TF, stamp_ns, encoder.transforms(t, &arm.links(joints_rad))?);
         }
         if audience.has_viewers(TCP_POSE) {
-            let Frame { parent, translation_m, rotation_xyzw, .. } = arm.flange(joints_rad);
+            let FramePose { parent, translation_m, rotation_xyzw, .. } = arm.flange(joints_rad);
             let pose = encoder.tcp_pose(t, parent, translation_m, rotation_xyzw)?;
             audience.publish(TCP_POSE, stamp_ns, pose);
         }
@@ -164,7 +164,7 @@ impl Viewers {
     }
 
     /// Publishes the drive and robot status on `/drive_state`.
-    pub fn drive_state(&self, time: SystemTime, status: &Status) {
+    pub fn drive_state(&self, time: SystemTime, status: &DriveStatus) {
         self.publish_json(DRIVE_STATE, time, status);
     }
 
@@ -223,7 +223,7 @@ fn json_channel(id: u64, topic: &str, type_name: &str, schema: &Value) -> Channe
 }
 
 /// Returns mean velocities since the previous sample, in rad/s; zero without one.
-fn mean_velocities(before: Option<&Sample>, t: Duration, joints_rad: &Joints) -> Joints {
+fn mean_velocities(before: Option<&PublishedJoints>, t: Duration, joints_rad: &Joints) -> Joints {
     let Some(before) = before else { return [0.0; 7] };
     // The clock may have been set back.
     let Some(span) = t.checked_sub(before.t).filter(|span| !span.is_zero()) else {

@@ -33,7 +33,7 @@ pub(super) enum ServerMessage<'a> {
         channels: &'a [Channel],
     },
     Status {
-        level: Level,
+        level: StatusLevel,
         message: &'a str,
     },
 }
@@ -48,16 +48,16 @@ impl ServerMessage<'_> {
 /// Severity of a status message.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(into = "u8")]
-pub(super) enum Level {
+pub(super) enum StatusLevel {
     Warning,
     Error,
 }
 
-impl From<Level> for u8 {
-    fn from(level: Level) -> Self {
+impl From<StatusLevel> for u8 {
+    fn from(level: StatusLevel) -> Self {
         match level {
-            Level::Warning => 1,
-            Level::Error => 2,
+            StatusLevel::Warning => 1,
+            StatusLevel::Error => 2,
         }
     }
 }

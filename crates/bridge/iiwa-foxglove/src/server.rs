@@ -54,14 +54,14 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// The server has a separate thread. [`Self::listen`] and the drop block, so asynchronous code must
 /// not call them.
 #[derive(Debug)]
-pub(super) struct Server {
+pub(super) struct FoxgloveServer {
     audience: Arc<Audience>,
     address: SocketAddr,
     /// `None` once the server has ended.
     runtime: Option<Runtime>,
 }
 
-impl Server {
+impl FoxgloveServer {
     /// Listens at `address`; port 0 selects a free port.
     pub(super) fn listen(address: SocketAddr, channels: Vec<Channel>) -> io::Result<Self> {
         let listener = Listener::bind(address)?;
@@ -90,7 +90,7 @@ impl Server {
     }
 }
 
-impl Drop for Server {
+impl Drop for FoxgloveServer {
     fn drop(&mut self) {
         let Some(runtime) = self.runtime.take() else { return };
         self.audience.end();

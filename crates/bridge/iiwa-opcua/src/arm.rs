@@ -7,7 +7,9 @@ use crate::{
     load::LoadNodes,
     state::RobotState,
     tree::{Of, Tree},
-    units::{DEGREE_CELSIUS, RADIAN, RADIAN_PER_SECOND, RADIAN_PER_SECOND_SQUARED, Unit},
+    units::{
+        DEGREE_CELSIUS, EngineeringUnit, RADIAN, RADIAN_PER_SECOND, RADIAN_PER_SECOND_SQUARED,
+    },
 };
 
 // Node numbers of OPC 40010-1.
@@ -97,7 +99,7 @@ impl AxisNodes {
         let limits = robot.limits();
         let [velocity, acceleration] =
             [limits.velocity_rad_s, limits.acceleration_rad_s2].map(|limit| limit[joint]);
-        let mut measured = |name: &str, unit: Unit, low: f64, high: f64| {
+        let mut measured = |name: &str, unit: EngineeringUnit, low: f64, high: f64| {
             let id = tree.measurement(&parameters, name, unit);
             let range = ExtensionObject::from_message(Range { low, high });
             tree.property(&id, Of::Base, "EURange", DataTypeId::Range, range);

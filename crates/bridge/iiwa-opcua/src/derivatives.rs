@@ -24,7 +24,7 @@ const LONGEST_GAP_S: f64 = 0.5;
 
 /// Joint speeds and accelerations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Derivatives {
+pub(crate) struct JointRates {
     /// Speeds in rad/s.
     pub(crate) speed: Joints,
     /// Accelerations in rad/s².
@@ -33,11 +33,11 @@ pub(crate) struct Derivatives {
 
 /// Recent positions.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Window {
+pub(crate) struct PositionWindow {
     samples: VecDeque<(f64, Joints)>,
 }
 
-impl Window {
+impl PositionWindow {
     /// Adds positions at a time, in s. A repeated time stamp is ignored; an earlier one, such as
     /// after a restart of the robot clock, or a gap of [`LONGEST_GAP_S`] restarts the window.
     pub(crate) fn push(&mut self, t_s: f64, joints_rad: Joints) {
@@ -61,7 +61,7 @@ impl Window {
     }
 
     /// Returns speed and acceleration at the newest position; `None` with too few positions.
-    pub(crate) fn derivatives(&self) -> Option<Derivatives> {
+    pub(crate) fn derivatives(&self) -> Option<JointRates> {
         let (now_s, newest) = *self.samples.back()?;
         if self.samples.len() < FEWEST {
             return None;
@@ -88,7 +88,7 @@ impl Window {
         };
         let fits: [[f64; 2]; 7] = std::array::from_fn(fit);
         let finite = fits.iter().flatten().all(|value| value.is_finite());
-        finite.then(|| Derivatives {
+        finite.then(|| JointRates {
             speed: fits.map(|[speed, _]| speed),
             acceleration: fits.map(|[_, acceleration]| acceleration),
         })
@@ -99,8 +99,8 @@ impl Window {
 mod tests {
     use super::*;
 
-    fn of(times: impl IntoIterator<Item = f64>, q: impl Fn(f64) -> f64) -> Option<Derivatives> {
-        let mut window = Window::default();
+    fn of(times: impl IntoIterator<Item = f64>, q: impl Fn(f64) -> f64) -> Option<JointRates> {
+        let mut window = PositionWindow::default();
         for t in times {
             window.push(t, std::array::from_fn(|joint| q(t) * (joint + 1) as f64));
         }
@@ -149,7 +149,7 @@ mod tests {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             ((seed >> 33) as f64 / f64::from(1_u32 << 31) - 0.5) * 1e-5 * 12_f64.sqrt()
         };
-        let mut window = Window::default();
+        let mut window = PositionWindow::default();
         let (mut speeds, mut accelerations, mut count) = (0.0, 0.0, 0.0);
         for t in every(0.005, 4000) {
             window.push(t, std::array::from_fn(|_| noise()));
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn gaps_and_clocks_that_start_again_begin_anew() {
         assert_eq!(of(every(0.005, 5), |_| 1.0), None);
-        let mut window = Window::default();
+        let mut window = PositionWindow::default();
         for t in every(0.005, 20) {
             window.push(t, [t - 20_000.0; 7]);
         }

@@ -43,12 +43,12 @@ use iiwa_link::threads::ThreadGroup;
 
 pub use error::OpcUaError;
 pub use options::{BridgedArm, OpcUaOptions};
-pub use stop::{Stop, StopFailure};
+pub use stop::{StopFailure, StopRobot};
 
 use controller::TaskHistory;
 use iiwa_bridge::{BridgedRobot, Message, Sink};
 use robots::RobotPlan;
-use server::Running;
+use server::RunningServer;
 use state::RobotState;
 
 /// Interval between updates of all values.
@@ -63,7 +63,7 @@ pub struct ServedRobot {
     /// Model and load.
     pub arm: BridgedArm,
     /// Stop callback; `None` if clients may not stop the robot.
-    pub stop: Option<Arc<dyn Stop>>,
+    pub stop: Option<Arc<dyn StopRobot>>,
 }
 
 /// The OPC UA server. Dropping it ends the server.
@@ -99,7 +99,7 @@ impl OpcUa {
         let served = robots.iter().map(|robot| ServedRobot {
             name: robot.name().to_owned(),
             arm: options.arms.get(robot.name()).cloned().unwrap_or_default(),
-            stop: allow_commands.then(|| Arc::new(robot.clone()) as Arc<dyn Stop>),
+            stop: allow_commands.then(|| Arc::new(robot.clone()) as Arc<dyn StopRobot>),
         });
         Self::serve(options, served.collect())
     }
@@ -124,7 +124,7 @@ impl OpcUa {
             let ServedRobot { name, arm, stop } = robot;
             RobotPlan { name, model: arm.model, stop }
         });
-        let server = Running::start(options, plans.collect())?;
+        let server = RunningServer::start(options, plans.collect())?;
         let address = server.address;
         tracing::info!("OPC UA: listening at {address}");
         let mut threads = ThreadGroup::default();
@@ -150,7 +150,11 @@ impl Sink for OpcUa {
 }
 
 /// Publishes the robot states, and logs rejected clients.
-fn update(mut server: Running, robots: &[(String, Mutex<RobotState>)], shutdown: &AtomicBool) {
+fn update(
+    mut server: RunningServer,
+    robots: &[(String, Mutex<RobotState>)],
+    shutdown: &AtomicBool,
+) {
     let mut histories = vec![TaskHistory::default(); robots.len()];
     let mut looked = Instant::now();
     while !shutdown.load(Ordering::Relaxed) {

@@ -45,7 +45,7 @@ impl LoadNodes {
 
     /// Appends the values of a state.
     pub(crate) fn values(&self, state: &RobotState, values: &mut Vec<(NodeId, DataValue)>) {
-        let parts = state.load.as_ref().map(Parts::of);
+        let parts = state.load.as_ref().map(LoadParts::of);
         let mut push = |node: &NodeId, value: Option<Variant>| {
             values.push((node.clone(), state.value(value)));
         };
@@ -64,14 +64,14 @@ impl LoadNodes {
 
 /// A load in the representation of OPC UA.
 #[derive(Clone, Copy)]
-struct Parts {
+struct LoadParts {
     center_m: [f64; 3],
     /// Angles about x, y and z: roll, pitch and yaw.
     angles_rad: [f64; 3],
     inertia_kg_m2: [f64; 3],
 }
 
-impl Parts {
+impl LoadParts {
     fn of(load: &Load) -> Self {
         // KUKA's a, b, c are angles about z, y and x.
         let [a, b, c] = load.abc_rad;

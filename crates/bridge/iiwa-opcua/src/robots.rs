@@ -23,7 +23,7 @@ use crate::{
     nodesets::{DEVICES, NodeSet, ROBOTICS},
     safety::SafetyNodes,
     state::RobotState,
-    stop::{Stop, StopFailure},
+    stop::{StopFailure, StopRobot},
     tree::{Namespaces, Of, Tree},
 };
 
@@ -38,7 +38,7 @@ pub(crate) struct RobotPlan {
     pub(crate) name: String,
     pub(crate) model: Robot,
     /// Stop callback; `None` if clients may not stop the robot.
-    pub(crate) stop: Option<Arc<dyn Stop>>,
+    pub(crate) stop: Option<Arc<dyn StopRobot>>,
 }
 
 /// Node manager of all nodes outside of the base namespace.
@@ -49,7 +49,7 @@ pub(crate) struct Robots {
     namespaces: Vec<NamespaceMetadata>,
     robotics: u16,
     systems: Vec<SystemNodes>,
-    stops: HashMap<NodeId, Arc<dyn Stop>>,
+    stops: HashMap<NodeId, Arc<dyn StopRobot>>,
 }
 
 /// Variable nodes of a robot.
@@ -183,7 +183,7 @@ impl InMemoryNodeManagerImpl for Robots {
 }
 
 /// Stops a robot in a separate thread, because the drive client blocks until the reply.
-async fn stop_robot(stop: &Arc<dyn Stop>) -> Result<(), StatusCode> {
+async fn stop_robot(stop: &Arc<dyn StopRobot>) -> Result<(), StatusCode> {
     let stop = Arc::clone(stop);
     match tokio::task::spawn_blocking(move || stop.stop()).await {
         Ok(Ok(())) => Ok(()),

@@ -33,7 +33,7 @@ const MAX_SESSIONS: usize = 32;
 const SHUTDOWN: Duration = Duration::from_secs(1);
 
 /// A server that runs until it is dropped.
-pub(crate) struct Running {
+pub(crate) struct RunningServer {
     /// `None` during shutdown.
     runtime: Option<Runtime>,
     handle: ServerHandle,
@@ -42,7 +42,7 @@ pub(crate) struct Running {
     pub(crate) address: SocketAddr,
 }
 
-impl Running {
+impl RunningServer {
     pub(crate) fn start(
         options: &OpcUaOptions,
         robots: Vec<RobotPlan>,
@@ -121,7 +121,7 @@ impl Running {
     }
 }
 
-impl Drop for Running {
+impl Drop for RunningServer {
     fn drop(&mut self) {
         self.handle.cancel();
         if let Some(runtime) = self.runtime.take() {

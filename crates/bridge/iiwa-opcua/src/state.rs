@@ -6,9 +6,9 @@ use iiwa_kin::{Joints, Load};
 use iiwa_link::message::{DriveState, FriStatus, OperationMode, Presence};
 use opcua::types::{DataValue, DateTime, StatusCode, Variant};
 
-use iiwa_bridge::message::{Content, JointSample, Message, RobotConditions, RunPhase};
+use iiwa_bridge::message::{Content, CycleSample, Message, RobotConditions, RunPhase};
 
-use crate::derivatives::{Derivatives, Window};
+use crate::derivatives::{JointRates, PositionWindow};
 
 /// Maximum age of positions that count as current. The slowest streams have one sample per 100 ms.
 const FRESH: Duration = Duration::from_secs(1);
@@ -20,8 +20,8 @@ pub(crate) struct RobotState {
     pub(crate) at: DateTime,
     /// `true` if the drive answers; otherwise the following values are old.
     pub(crate) connected: bool,
-    pub(crate) motion: Option<Motion>,
-    pub(crate) window: Window,
+    pub(crate) motion: Option<JointReadings>,
+    pub(crate) window: PositionWindow,
     pub(crate) drive: Option<DriveState>,
     /// `true` if the robot program is connected.
     pub(crate) ready: bool,
@@ -43,7 +43,7 @@ pub(crate) struct RobotState {
 
 /// Joint positions.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
+pub(crate) struct JointReadings {
     joints_rad: Joints,
     at: DateTime,
     /// Time of reception, by the monotonic clock.
@@ -56,7 +56,7 @@ impl Default for RobotState {
             at: DateTime::now(),
             connected: false,
             motion: None,
-            window: Window::default(),
+            window: PositionWindow::default(),
             drive: None,
             ready: false,
             safety_stop: None,
@@ -83,8 +83,8 @@ impl RobotState {
         self.at = time;
         match &message.content {
             Content::Joints(sample) => {
-                let JointSample { t_s, joints_rad, .. } = *sample;
-                self.motion = Some(Motion { joints_rad, at: time, came: Instant::now() });
+                let CycleSample { t_s, joints_rad, .. } = *sample;
+                self.motion = Some(JointReadings { joints_rad, at: time, came: Instant::now() });
                 self.window.push(t_s, joints_rad);
             }
             Content::State { state, .. } => self.drive = Some(*state),
@@ -161,7 +161,7 @@ impl RobotState {
     }
 
     /// Returns speeds and accelerations, if there are enough positions.
-    pub(crate) fn derivatives(&self) -> Option<Derivatives> {
+    pub(crate) fn derivatives(&self) -> Option<JointRates> {
         self.window.derivatives()
     }
 }

@@ -5,7 +5,7 @@ use iiwa_link::ClientError;
 use iiwa_bridge::BridgedRobot;
 
 /// A robot that can be stopped.
-pub trait Stop: Send + Sync + 'static {
+pub trait StopRobot: Send + Sync + 'static {
     /// Stops the robot on its path, and returns when it is at rest. The call may block for some
     /// seconds.
     ///
@@ -25,7 +25,7 @@ pub enum StopFailure {
 }
 
 /// Stops the robot through its drive.
-impl Stop for BridgedRobot {
+impl StopRobot for BridgedRobot {
     fn stop(&self) -> Result<(), StopFailure> {
         // A separate client, so that a stop does not wait for other requests.
         let stopped = self.client().map_err(ClientError::from).and_then(|mut it| it.stop());

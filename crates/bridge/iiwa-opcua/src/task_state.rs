@@ -18,7 +18,7 @@ pub(crate) enum TaskState {
 }
 
 /// A node of the specification: name and number.
-pub(crate) type Named = (&'static str, u32);
+pub(crate) type NamedNode = (&'static str, u32);
 
 impl TaskState {
     /// Returns the state of a robot.
@@ -37,7 +37,7 @@ impl TaskState {
     }
 
     /// Returns the state in the specification.
-    pub(crate) fn named(self) -> Named {
+    pub(crate) fn named(self) -> NamedNode {
         match self {
             Self::Idle => ("Idle", 5040),
             Self::Ready => ("Ready", 5041),
@@ -47,7 +47,7 @@ impl TaskState {
 
     /// Returns the last transition on the way from a state to this one; `None` if the state has not
     /// changed.
-    pub(crate) fn reached_from(self, before: Self) -> Option<Named> {
+    pub(crate) fn reached_from(self, before: Self) -> Option<NamedNode> {
         match (before, self) {
             (Self::Idle, Self::Ready) => Some(("IdleToReady", 5044)),
             (Self::Ready, Self::Idle) => Some(("ReadyToIdle", 5045)),

@@ -9,7 +9,7 @@ use opcua::{
     },
 };
 
-use crate::units::Unit;
+use crate::units::EngineeringUnit;
 
 /// Namespace indices of the server.
 #[derive(Clone, Copy, Debug)]
@@ -138,7 +138,12 @@ impl<'a> Tree<'a> {
     }
 
     /// Inserts a number with its unit, without a value yet.
-    pub(crate) fn measurement(&mut self, parent: &NodeId, name: &str, unit: Unit) -> NodeId {
+    pub(crate) fn measurement(
+        &mut self,
+        parent: &NodeId,
+        name: &str,
+        unit: EngineeringUnit,
+    ) -> NodeId {
         let type_id = VariableTypeId::AnalogUnitType;
         let double = DataTypeId::Double;
         let id = self.variable(parent, (Of::Robotics, name), type_id, double, Variant::Empty);
@@ -147,7 +152,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Inserts a unit as a property of a variable.
-    pub(crate) fn unit(&mut self, of: &NodeId, name: &str, unit: Unit) {
+    pub(crate) fn unit(&mut self, of: &NodeId, name: &str, unit: EngineeringUnit) {
         let value = ExtensionObject::from_message(unit.information());
         self.property(of, Of::Base, name, DataTypeId::EUInformation, value);
     }

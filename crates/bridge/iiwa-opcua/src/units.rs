@@ -4,7 +4,7 @@ use opcua::types::{EUInformation, UAString};
 
 /// A unit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Unit {
+pub(crate) struct EngineeringUnit {
     /// The common code of UN/ECE Recommendation 20.
     code: &'static str,
     symbol: &'static str,
@@ -12,21 +12,25 @@ pub(crate) struct Unit {
 }
 
 /// Unit of angles.
-pub(crate) const RADIAN: Unit = Unit { code: "C81", symbol: "rad", name: "radian" };
+pub(crate) const RADIAN: EngineeringUnit =
+    EngineeringUnit { code: "C81", symbol: "rad", name: "radian" };
 /// Unit of joint speeds.
-pub(crate) const RADIAN_PER_SECOND: Unit =
-    Unit { code: "2A", symbol: "rad/s", name: "radian per second" };
+pub(crate) const RADIAN_PER_SECOND: EngineeringUnit =
+    EngineeringUnit { code: "2A", symbol: "rad/s", name: "radian per second" };
 /// Unit of joint accelerations.
-pub(crate) const RADIAN_PER_SECOND_SQUARED: Unit =
-    Unit { code: "2B", symbol: "rad/s²", name: "radian per second squared" };
+pub(crate) const RADIAN_PER_SECOND_SQUARED: EngineeringUnit =
+    EngineeringUnit { code: "2B", symbol: "rad/s²", name: "radian per second squared" };
 /// Unit of masses.
-pub(crate) const KILOGRAM: Unit = Unit { code: "KGM", symbol: "kg", name: "kilogram" };
+pub(crate) const KILOGRAM: EngineeringUnit =
+    EngineeringUnit { code: "KGM", symbol: "kg", name: "kilogram" };
 /// Unit of lengths.
-pub(crate) const METRE: Unit = Unit { code: "MTR", symbol: "m", name: "metre" };
+pub(crate) const METRE: EngineeringUnit =
+    EngineeringUnit { code: "MTR", symbol: "m", name: "metre" };
 /// Unit of temperatures.
-pub(crate) const DEGREE_CELSIUS: Unit = Unit { code: "CEL", symbol: "°C", name: "degree Celsius" };
+pub(crate) const DEGREE_CELSIUS: EngineeringUnit =
+    EngineeringUnit { code: "CEL", symbol: "°C", name: "degree Celsius" };
 
-impl Unit {
+impl EngineeringUnit {
     /// Returns the unit in the representation of OPC UA.
     pub(crate) fn information(self) -> EUInformation {
         EUInformation {
@@ -54,7 +58,7 @@ mod tests {
     fn ids_are_those_of_the_opc_foundation() {
         let ids =
             [RADIAN, RADIAN_PER_SECOND, RADIAN_PER_SECOND_SQUARED, KILOGRAM, METRE, DEGREE_CELSIUS]
-                .map(Unit::id);
+                .map(EngineeringUnit::id);
         assert_eq!(ids, [4_405_297, 12_865, 12_866, 4_933_453, 5_067_858, 4_408_652]);
     }
 }

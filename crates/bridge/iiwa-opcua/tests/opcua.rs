@@ -26,10 +26,12 @@ use std::{
 
 use iiwa_bridge::{
     Credentials, Message, Sink,
-    message::{Content, JointSample, Timestamp, VERSION},
+    message::{Content, CycleSample, Timestamp, VERSION},
 };
 use iiwa_kin::{Load, Robot};
-use iiwa_opcua::{BridgedArm, OpcUa, OpcUaError, OpcUaOptions, ServedRobot, Stop, StopFailure};
+use iiwa_opcua::{
+    BridgedArm, OpcUa, OpcUaError, OpcUaOptions, ServedRobot, StopFailure, StopRobot,
+};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -45,7 +47,7 @@ const SAFETY: &str = "SafetyStates/I:SafetyState/D:ParameterSet";
 /// Counts stops.
 struct CountedStops(Arc<AtomicUsize>);
 
-impl Stop for CountedStops {
+impl StopRobot for CountedStops {
     fn stop(&self) -> Result<(), StopFailure> {
         thread::sleep(STOP_TAKES);
         self.0.fetch_add(1, Ordering::SeqCst);
@@ -71,7 +73,7 @@ impl Rig {
         let robots = robots.map(|(name, model)| ServedRobot {
             name: name.to_owned(),
             arm: BridgedArm { model, load: Some(load) },
-            stop: stop.then(|| Arc::new(CountedStops(Arc::clone(&stops))) as Arc<dyn Stop>),
+            stop: stop.then(|| Arc::new(CountedStops(Arc::clone(&stops))) as Arc<dyn StopRobot>),
         });
         let mut options = options_in(folder.path());
         adjust(&mut options);
@@ -224,7 +226,7 @@ fn feed(server: &OpcUa, since: f64, ended: &AtomicBool) {
         let joints_rad =
             std::array::from_fn(|joint| AMPLITUDE_RAD * (RAD_PER_S * t_s + joint as f64).sin());
         for robot in ["left", "right"] {
-            let sample = JointSample { t_s, joints_rad, measured_nm: None, external_nm: None };
+            let sample = CycleSample { t_s, joints_rad, measured_nm: None, external_nm: None };
             send(robot, time, Content::Joints(sample));
         }
         thread::sleep(Duration::from_millis(5));

@@ -99,7 +99,8 @@ impl Rounded {
             .map(|k| {
                 let [first, end] = [k, k + 1].map(|k| k * spans / count);
                 let (control, unit_rad) = (Arc::clone(&self.control), self.unit_rad);
-                Arc::new(Part { control, first, spans: end - first, unit_rad }) as Arc<dyn Segment>
+                Arc::new(CurvePart { control, first, spans: end - first, unit_rad })
+                    as Arc<dyn Segment>
             })
             .collect()
     }
@@ -176,14 +177,14 @@ fn evaluate(control: &[Joints], spans: usize, u: f64) -> Derivatives {
 /// Some spans of a curve. All parts share the curve's parameter sigma, with respect to which all
 /// derivatives are continuous between parts.
 #[derive(Debug)]
-struct Part {
+struct CurvePart {
     control: Arc<[Joints]>,
     first: usize,
     spans: usize,
     unit_rad: f64,
 }
 
-impl Segment for Part {
+impl Segment for CurvePart {
     fn at(&self, s: f64) -> Derivatives {
         let spans = self.spans as f64;
         let all = self.control.len() - (ORDER - 1);

@@ -2,7 +2,7 @@
 //! version, lists of numbers and of tagged objects. Independent of robots.
 //!
 //! ```
-//! use iiwa_json::{Object, Place, problem};
+//! use iiwa_json::{JsonObject, JsonPlace, problem};
 //! use serde::Deserialize;
 //!
 //! #[derive(Debug, Deserialize)]
@@ -11,9 +11,9 @@
 //! }
 //!
 //! let text = "{ \"height_mm\": \"720\" }";
-//! let error = serde_json::from_str::<Object<Table>>(text).unwrap_err();
+//! let error = serde_json::from_str::<JsonObject<Table>>(text).unwrap_err();
 //! assert_eq!(problem(&error), "expected a number, found string \"720\"");
-//! assert_eq!(Place::of_error(text, text, &error).to_string(), "line 1, column 16");
+//! assert_eq!(JsonPlace::of_error(text, text, &error).to_string(), "line 1, column 16");
 //! ```
 
 mod excerpt;
@@ -34,10 +34,10 @@ mod tests;
 
 pub use excerpt::excerpt;
 pub use list::{Numbers, numbers};
-pub use locate::{Step, element_at, locate};
+pub use locate::{JsonStep, element_at, locate};
 pub use meant::{are_known, meant, unknown};
-pub use object::{Object, object, object_or_null, object_or_null_like};
-pub use place::Place;
+pub use object::{JsonObject, object, object_or_null, object_or_null_like};
+pub use place::JsonPlace;
 pub use printable::printable;
 pub use problem::problem;
 pub use records::Records;

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use serde_json::value::RawValue;
 
 use crate::{
-    place::{Place, offset_in},
-    token::Tokens,
+    place::{JsonPlace, offset_in},
+    token::JsonTokens,
 };
 
 /// One step down into a JSON text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step<'a> {
+pub enum JsonStep<'a> {
     /// Into the value of an object's key.
     Key(&'a str),
     /// Into the element of an array, from 0.
@@ -22,14 +22,14 @@ pub enum Step<'a> {
 ///
 /// Parses the text again from the start: for error messages, not for hot paths.
 #[must_use]
-pub fn locate(text: &str, path: &[Step<'_>]) -> Place {
+pub fn locate(text: &str, path: &[JsonStep<'_>]) -> JsonPlace {
     let mut part = text.trim();
     for step in path {
         let next = match step {
-            Step::Key(key) => serde_json::from_str::<BTreeMap<String, &RawValue>>(part)
+            JsonStep::Key(key) => serde_json::from_str::<BTreeMap<String, &RawValue>>(part)
                 .ok()
                 .and_then(|object| object.get(*key).map(|value| value.get())),
-            Step::Index(index) => serde_json::from_str::<Vec<&RawValue>>(part)
+            JsonStep::Index(index) => serde_json::from_str::<Vec<&RawValue>>(part)
                 .ok()
                 .and_then(|array| array.get(*index).map(|value| value.get())),
         };
@@ -39,7 +39,7 @@ pub fn locate(text: &str, path: &[Step<'_>]) -> Place {
         }
     }
     let start = offset_in(text, part).unwrap_or(0);
-    Place::of_span(text, start..start + part.len())
+    JsonPlace::of_span(text, start..start + part.len())
 }
 
 /// Index, from 0, of the element that contains `byte` in the list under the key `list` of the
@@ -48,7 +48,7 @@ pub fn locate(text: &str, path: &[Step<'_>]) -> Place {
 pub fn element_at(text: &str, list: &str, byte: usize) -> Option<usize> {
     let (mut depth, mut index, mut in_list) = (0_usize, 0, false);
     let mut before = ["", ""];
-    for token in (Tokens { text, at: 0 }).take_while(|token| token.start <= byte) {
+    for token in (JsonTokens { text, at: 0 }).take_while(|token| token.start <= byte) {
         let word = &text[token];
         match word {
             "[" | "{" => {

@@ -11,7 +11,7 @@ use serde::{
 /// the order of the fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
-pub struct Object<T>(pub T);
+pub struct JsonObject<T>(pub T);
 
 /// Visitor that reads a `T` from an object only; `like` describes it for errors.
 struct OfMap<T> {
@@ -37,7 +37,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for OfMap<T> {
     }
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for JsonObject<T> {
     fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
         reader.deserialize_map(OfMap::new("an object")).map(Self)
     }
@@ -49,7 +49,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
 ///
 /// If the value is something else, or not the expected object.
 pub fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Result<T, D::Error> {
-    Object::deserialize(reader).map(|object| object.0)
+    JsonObject::deserialize(reader).map(|object| object.0)
 }
 
 /// Reads a field that is an object or null, for `deserialize_with`.
@@ -60,7 +60,7 @@ pub fn object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Resu
 pub fn object_or_null<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     reader: D,
 ) -> Result<Option<T>, D::Error> {
-    let object = Option::<Object<T>>::deserialize(reader)?;
+    let object = Option::<JsonObject<T>>::deserialize(reader)?;
     Ok(object.map(|object| object.0))
 }
 

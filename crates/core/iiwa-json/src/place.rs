@@ -4,11 +4,11 @@ use std::{fmt, ops::Range};
 
 use serde_json::error::Category;
 
-use crate::token::{Tokens, token_at};
+use crate::token::{JsonTokens, token_at};
 
 /// A place in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct JsonPlace {
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
@@ -17,13 +17,13 @@ pub struct Place {
     pub span: Range<usize>,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for JsonPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "line {}, column {}", self.line, self.column)
     }
 }
 
-impl Place {
+impl JsonPlace {
     /// Removes the suffix `, at` with this place from a message.
     #[must_use]
     pub fn cut_from(&self, message: &str) -> String {
@@ -100,8 +100,9 @@ fn opening(part: &str, closing: Range<usize>) -> Range<usize> {
     // text of brackets.
     let brackets = || {
         let mut depth = 0_usize;
-        Tokens { text: part, at: 0 }.take_while(|token| token.start <= closing.start).filter_map(
-            move |token| match &part[token.clone()] {
+        JsonTokens { text: part, at: 0 }
+            .take_while(|token| token.start <= closing.start)
+            .filter_map(move |token| match &part[token.clone()] {
                 "[" | "{" => {
                     depth += 1;
                     Some((token, depth, true))
@@ -111,8 +112,7 @@ fn opening(part: &str, closing: Range<usize>) -> Range<usize> {
                     Some((token, depth + 1, false))
                 }
                 _ => None,
-            },
-        )
+            })
     };
     let depth = brackets().last().map(|(_, depth, _)| depth);
     brackets()

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::Deserialize;
 
-use crate::object::Object;
+use crate::object::JsonObject;
 
 /// Value of an object's key `type`; `None` if absent. The reader can then choose the type to read,
 /// and its errors keep their places, which serde's own tagged enumerations lose.
@@ -20,9 +20,9 @@ use crate::object::Object;
 /// If the text is not an object, or its `type` is not a string.
 pub fn tag(text: &str) -> Result<Option<Cow<'_, str>>, serde_json::Error> {
     #[derive(Deserialize)]
-    struct Tag<'a> {
+    struct TypeTag<'a> {
         #[serde(borrow)]
         r#type: Option<Cow<'a, str>>,
     }
-    serde_json::from_str::<Object<Tag<'_>>>(text).map(|tag| tag.0.r#type)
+    serde_json::from_str::<JsonObject<TypeTag<'_>>>(text).map(|tag| tag.0.r#type)
 }

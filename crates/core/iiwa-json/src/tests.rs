@@ -10,20 +10,21 @@ const TEXT: &str = "{\n  \"motions\": [\n    { \"joints_deg\": [1, \"ü\", 30] }
 
 #[test]
 fn finds_a_value() {
-    use Step::{Index, Key};
+    use JsonStep::{Index, Key};
     let place = locate(TEXT, &[Key("motions"), Index(0), Key("joints_deg"), Index(2)]);
     assert_eq!((place.line, place.column, &TEXT[place.span]), (3, 30, "30"));
 }
 
 #[test]
 fn stays_at_the_last_value_that_is_there() {
-    let place = locate(TEXT, &[Step::Key("motions"), Step::Index(7), Step::Key("blend")]);
+    let place =
+        locate(TEXT, &[JsonStep::Key("motions"), JsonStep::Index(7), JsonStep::Key("blend")]);
     assert_eq!((place.line, place.column), (2, 14));
 }
 
 fn error<'a, T: Deserialize<'a>>(text: &'a str) -> (usize, usize, &'a str, String) {
     let error = serde_json::from_str::<T>(text).err().unwrap();
-    let place = Place::of_error(text, text, &error);
+    let place = JsonPlace::of_error(text, text, &error);
     (place.line, place.column, &text[place.span], problem(&error))
 }
 
@@ -46,7 +47,7 @@ fn shows_keys_without_terminal_control_codes() {
 /// The place is the first letter of the wrong part, regardless of how far `serde_json` had read.
 #[test]
 fn the_place_is_the_first_letter_of_the_error() {
-    type Points = Vec<Object<Point>>;
+    type Points = Vec<JsonObject<Point>>;
     for (text, line, column, span, message) in [
         ("{}", 1, 1, "{", "expected a list, found an object"),
         ("[\n  [1]]", 2, 3, "[", "expected an object, found a list"),
@@ -80,7 +81,7 @@ fn the_place_is_the_first_letter_of_the_error() {
 #[test]
 fn a_message_repeats_no_novel() {
     let text = format!("[{{\"{}\": 1}}]", "ü".repeat(10_000));
-    let (_, column, span, message) = error::<Vec<Object<Point>>>(&text);
+    let (_, column, span, message) = error::<Vec<JsonObject<Point>>>(&text);
     assert_eq!((column, span.chars().count()), (3, 10_002));
     assert!(message.chars().count() < 100, "{message}");
 }
@@ -100,7 +101,7 @@ fn names_the_element_of_a_list() {
 fn places_an_error_of_a_part() {
     let part = &TEXT[TEXT.find("[1").unwrap()..TEXT.find(" }\n").unwrap()];
     let error = serde_json::from_str::<Vec<f64>>(part).unwrap_err();
-    let place = Place::of_error(TEXT, part, &error);
+    let place = JsonPlace::of_error(TEXT, part, &error);
     assert_eq!((place.line, place.column, &TEXT[place.span]), (3, 25, "\"ü\""), "{error}");
 }
 
@@ -108,5 +109,5 @@ fn places_an_error_of_a_part() {
 fn survives_a_text_that_ends_early() {
     let text = "{\n";
     let error = serde_json::from_str::<BTreeMap<String, f64>>(text).unwrap_err();
-    assert_eq!(Place::of_error(text, text, &error).span, 1..1);
+    assert_eq!(JsonPlace::of_error(text, text, &error).span, 1..1);
 }

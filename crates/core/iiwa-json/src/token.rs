@@ -4,16 +4,16 @@ use std::ops::Range;
 
 /// Token that contains `byte`, otherwise the next token.
 pub(crate) fn token_at(text: &str, byte: usize) -> Option<Range<usize>> {
-    Tokens { text, at: 0 }.find(|token| token.end > byte)
+    JsonTokens { text, at: 0 }.find(|token| token.end > byte)
 }
 
 /// Tokens of a text, valid JSON or not: strings, single punctuation marks, other words.
-pub(crate) struct Tokens<'a> {
+pub(crate) struct JsonTokens<'a> {
     pub(crate) text: &'a str,
     pub(crate) at: usize,
 }
 
-impl Iterator for Tokens<'_> {
+impl Iterator for JsonTokens<'_> {
     type Item = Range<usize>;
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -3,9 +3,9 @@
 use serde::Deserialize;
 
 use crate::{
-    locate::{Step, locate},
-    object::Object,
-    place::Place,
+    locate::{JsonStep, locate},
+    object::JsonObject,
+    place::JsonPlace,
 };
 
 /// Error: a text of a versioned format was not read.
@@ -16,7 +16,7 @@ pub enum Unread {
         /// Version found.
         found: u64,
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
     },
     /// The text is not JSON, or not the expected JSON.
     Json(serde_json::Error),
@@ -40,12 +40,12 @@ pub fn read_version<'a, T: Deserialize<'a>>(
     }
     let other = |found: Option<u64>| {
         let found = found.filter(|found| *found != version)?;
-        Some(Unread::Version { found, place: locate(text, &[Step::Key("version")]) })
+        Some(Unread::Version { found, place: locate(text, &[JsonStep::Key("version")]) })
     };
-    match serde_json::from_str::<Object<T>>(text) {
-        Ok(Object(read)) => other(Some(of(&read))).map_or(Ok(read), Err),
+    match serde_json::from_str::<JsonObject<T>>(text) {
+        Ok(JsonObject(read)) => other(Some(of(&read))).map_or(Ok(read), Err),
         Err(error) => {
-            let only = serde_json::from_str::<Object<VersionOnly>>(text).ok();
+            let only = serde_json::from_str::<JsonObject<VersionOnly>>(text).ok();
             Err(only.and_then(|only| other(only.0.version)).unwrap_or(Unread::Json(error)))
         }
     }

@@ -182,7 +182,7 @@ impl Dynamics {
     pub fn potential_energy_j(&self, joints_rad: &Joints) -> f64 {
         let Linkage { links, offsets, rest } = &self.arm;
         let (s, c) = sin_cos_of_joints(joints_rad);
-        let mut frame = crate::forward::Frame::BASE;
+        let mut frame = crate::forward::FrameAxes::BASE;
         let mut moment: Vec3<f64> = [0.0; 3];
         for (j, link) in links.iter().enumerate() {
             frame.turn(s[j], c[j]);

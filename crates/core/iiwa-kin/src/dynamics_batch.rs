@@ -46,9 +46,12 @@ impl Dynamics {
         let count = joints_rad.len();
         let lengths = [velocity_rad_s.len(), acceleration_rad_s2.len(), torques_nm.len()];
         assert_eq!(lengths, [count; 3], "one place for each set of joints");
-        let places =
-            Places { joints: joints_rad, first: velocity_rad_s, second: acceleration_rad_s2 };
-        pulp::Arch::new().dispatch(Torques { arm: &self.arm, places, out: torques_nm });
+        let places = JointDerivatives {
+            joints: joints_rad,
+            first: velocity_rad_s,
+            second: acceleration_rad_s2,
+        };
+        pulp::Arch::new().dispatch(BatchTorques { arm: &self.arm, places, out: torques_nm });
     }
 
     /// Computes [`Dynamics::path_torques`] for each of `joints_rad` with its derivatives into
@@ -67,15 +70,16 @@ impl Dynamics {
         let count = joints_rad.len();
         let lengths = [derivative.len(), second_derivative.len(), parts.len()];
         assert_eq!(lengths, [count; 3], "one place for each set of joints");
-        let places = Places { joints: joints_rad, first: derivative, second: second_derivative };
-        pulp::Arch::new().dispatch(Parts { arm: &self.arm, places, out: parts });
+        let places =
+            JointDerivatives { joints: joints_rad, first: derivative, second: second_derivative };
+        pulp::Arch::new().dispatch(BatchParts { arm: &self.arm, places, out: parts });
     }
 }
 
 /// Joint positions and two derivatives: velocities and accelerations, or derivatives by the path
 /// parameter.
 #[derive(Clone, Copy)]
-struct Places<'a> {
+struct JointDerivatives<'a> {
     joints: &'a [Joints],
     first: &'a [Joints],
     second: &'a [Joints],
@@ -98,7 +102,7 @@ impl Block {
     /// Loads a block from `start`. Returns false if an angle is outside the range of the vectorised
     /// sine and cosine.
     #[inline(always)]
-    fn read(&mut self, places: &Places<'_>, start: usize) -> bool {
+    fn read(&mut self, places: &JointDerivatives<'_>, start: usize) -> bool {
         let range = start..start + LANES;
         let (q, first, second) =
             (&places.joints[range.clone()], &places.first[range.clone()], &places.second[range]);
@@ -130,13 +134,13 @@ impl Block {
     }
 }
 
-struct Torques<'a> {
+struct BatchTorques<'a> {
     arm: &'a Linkage,
-    places: Places<'a>,
+    places: JointDerivatives<'a>,
     out: &'a mut [Joints],
 }
 
-impl pulp::NullaryFnOnce for Torques<'_> {
+impl pulp::NullaryFnOnce for BatchTorques<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -161,18 +165,18 @@ impl pulp::NullaryFnOnce for Torques<'_> {
 }
 
 #[inline(never)]
-fn one(arm: &Linkage, places: &Places<'_>, i: usize) -> Joints {
+fn one(arm: &Linkage, places: &JointDerivatives<'_>, i: usize) -> Joints {
     let (s, c) = sin_cos_of_joints(&places.joints[i]);
     inverse_dynamics::<true>(arm, [&s, &c], &places.first[i], &places.second[i])
 }
 
-struct Parts<'a> {
+struct BatchParts<'a> {
     arm: &'a Linkage,
-    places: Places<'a>,
+    places: JointDerivatives<'a>,
     out: &'a mut [PathTorques],
 }
 
-impl pulp::NullaryFnOnce for Parts<'_> {
+impl pulp::NullaryFnOnce for BatchParts<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -212,7 +216,7 @@ impl pulp::NullaryFnOnce for Parts<'_> {
 }
 
 #[inline(never)]
-fn one_place(arm: &Linkage, places: &Places<'_>, i: usize) -> PathTorques {
+fn one_place(arm: &Linkage, places: &JointDerivatives<'_>, i: usize) -> PathTorques {
     let (s, c) = sin_cos_of_joints(&places.joints[i]);
     crate::dynamics::path_torques(arm, [&s, &c], &places.first[i], &places.second[i])
 }

@@ -15,14 +15,14 @@ use crate::{Joints, Pose, Robot, robot::TWIST_QUARTERS, trig::sin_cos};
 
 /// Axes and origin of a frame: the columns of a homogeneous transform.
 #[derive(Clone, Copy)]
-pub(crate) struct Frame {
+pub(crate) struct FrameAxes {
     pub(crate) x: Vec3<f64>,
     pub(crate) y: Vec3<f64>,
     pub(crate) z: Vec3<f64>,
     pub(crate) p: Vec3<f64>,
 }
 
-impl Frame {
+impl FrameAxes {
     pub(crate) const BASE: Self =
         Self { x: [1.0, 0.0, 0.0], y: [0.0, 1.0, 0.0], z: [0.0, 0.0, 1.0], p: [0.0; 3] };
 
@@ -79,8 +79,8 @@ impl Frame {
 /// The first two links are written out because they start from the base axes, whose components are
 /// zeros and ones.
 #[inline(always)]
-pub(crate) fn chain(d: &[f64; 4], s: &Joints, c: &Joints) -> Frame {
-    let mut frame = Frame {
+pub(crate) fn chain(d: &[f64; 4], s: &Joints, c: &Joints) -> FrameAxes {
+    let mut frame = FrameAxes {
         x: [c[0] * c[1], s[0] * c[1], -s[1]],
         y: [-s[0], c[0], 0.0],
         z: [c[0] * s[1], s[0] * s[1], c[1]],
@@ -216,7 +216,7 @@ impl Robot {
         let (s, c) = sin_cos_of_joints(joints_rad);
         let d = self.offsets();
         let mut poses = [Pose::IDENTITY; 9];
-        let mut frame = Frame::BASE;
+        let mut frame = FrameAxes::BASE;
         for j in 0..7 {
             frame.turn(s[j], c[j]);
             poses[j + 1] = frame.pose();

@@ -122,7 +122,7 @@ fn check_distance(distance: f64, longest: f64, shortest: f64) -> Result<(), Unre
 }
 
 /// Arm geometry that a pose fixes before E1 is chosen.
-pub(crate) struct Arm {
+pub(crate) struct ArmGeometry {
     /// Wrist position relative to the shoulder.
     pub(crate) wrist_m: [f64; 3],
     /// |sin A4|; the status selects its sign.
@@ -132,7 +132,7 @@ pub(crate) struct Arm {
     lever_m: f64,
 }
 
-impl Arm {
+impl ArmGeometry {
     /// Largest deviation of E1 from 0 or from half a turn, in rad; a quarter turn if every E1 is
     /// possible.
     pub(crate) fn within_rad(&self) -> f64 {
@@ -142,10 +142,10 @@ impl Arm {
 }
 
 /// Arm geometry at a flange pose; an error if the pose is out of reach.
-pub(crate) fn arm_at(d: &[f64; 4], flange: &Pose) -> Result<Arm, Unreachable> {
+pub(crate) fn arm_at(d: &[f64; 4], flange: &Pose) -> Result<ArmGeometry, Unreachable> {
     let (wrist_m, _, distance) = wrist(d, &flange.position_m, &flange.rotation);
     let (sin_a4, cos_a4) = elbow(d, distance)?;
-    Ok(Arm { wrist_m, sin_a4, cos_a4, lever_m: d[2] * sin_a4 })
+    Ok(ArmGeometry { wrist_m, sin_a4, cos_a4, lever_m: d[2] * sin_a4 })
 }
 
 #[inline(always)]

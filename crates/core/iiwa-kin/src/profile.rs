@@ -7,8 +7,8 @@ mod ramps;
 mod units;
 
 use iiwa_json::{
-    Object, Place,
-    Step::{Index, Key},
+    JsonObject, JsonPlace,
+    JsonStep::{Index, Key},
     Unread, locate, problem, read_version,
 };
 use schemars::JsonSchema;
@@ -89,7 +89,7 @@ struct Wire {
     /// in the base, twice in the shoulder, twice in the elbow and twice in the wrist.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<LinkWire>", length(equal = 7))]
-    links: Option<Vec<Object<LinkWire>>>,
+    links: Option<Vec<JsonObject<LinkWire>>>,
     /// Flange mass in addition to link 7, in kg, for example of a media flange: a point mass on
     /// axis 7, 13 mm behind the flange face.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
@@ -162,7 +162,7 @@ fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(reader: D) -> Result<Op
 fn given_object<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     reader: D,
 ) -> Result<Option<T>, D::Error> {
-    Object::deserialize(reader).map(|object| Some(object.0))
+    JsonObject::deserialize(reader).map(|object| Some(object.0))
 }
 
 /// JSON Schema of a number above 0.
@@ -200,7 +200,7 @@ impl Robot {
     /// place in the text.
     pub fn from_profile(text: &str) -> Result<Self, ProfileError> {
         if text.len() > MAX_BYTES {
-            let place = Place::of_span(text, 0..0);
+            let place = JsonPlace::of_span(text, 0..0);
             return Err(ProfileError::TooLong { place, found: text.len() });
         }
         let wire =
@@ -208,7 +208,7 @@ impl Robot {
                 |error| match error {
                     Unread::Version { found, place } => ProfileError::Version { place, found },
                     Unread::Json(error) => {
-                        let place = Place::of_error(text, text, &error);
+                        let place = JsonPlace::of_error(text, text, &error);
                         ProfileError::Json { place, problem: problem(&error) }
                     }
                 },

@@ -7,7 +7,7 @@ use iiwa_kin::{Joint, Joints, Pose, Robot, vector};
 use crate::{
     cartesian::{
         corner::CurvedCorner,
-        joint_curve::Part,
+        joint_curve::CurveInterval,
         leg::{Leg, legs},
         tcp_path::TcpPath,
     },
@@ -20,7 +20,7 @@ use crate::{
     polynomial::PolynomialBlend,
     segment::Segment,
     step::{Corner, Step},
-    supervised::Supervised,
+    supervised::SupervisedSegment,
 };
 use iiwa_program::{Blend, Fault, Motion, MotionIndex, OperatingMode, PathBlend, Program};
 
@@ -128,7 +128,7 @@ impl<'a> Legs<'a> {
 }
 
 /// The remainder of a motion: the part that the blend before it does not replace.
-enum Rest {
+enum MotionRemainder {
     /// A line from these joint positions, in rad.
     Line(Joints),
     /// The TCP path from this share of its first segment on.
@@ -150,14 +150,14 @@ enum RoundedCorner {
     /// A corner between two lines in joint space.
     InJoints(JointCorner),
     /// A corner with a TCP path on at least one side, and the remainder of the next motion.
-    Curved(CurvedCorner, Rest),
+    Curved(CurvedCorner, MotionRemainder),
 }
 
 impl RoundedCorner {
     /// The remainder of the motion after the blend.
-    fn after(self) -> Rest {
+    fn after(self) -> MotionRemainder {
         match self {
-            Self::InJoints(corner) => Rest::Line(corner.end()),
+            Self::InJoints(corner) => MotionRemainder::Line(corner.end()),
             Self::Curved(_, rest) => rest,
         }
     }
@@ -210,9 +210,9 @@ impl Corners<'_> {
             let share = corner.shares[1];
             let rest = if next.paths.is_empty() {
                 let [from, to] = next.ends_rad;
-                Rest::Line(vector::add_scaled(&from, share, &vector::sub(&to, &from)))
+                MotionRemainder::Line(vector::add_scaled(&from, share, &vector::sub(&to, &from)))
             } else {
-                Rest::Path(share)
+                MotionRemainder::Path(share)
             };
             RoundedCorner::Curved(corner, rest)
         }))
@@ -239,7 +239,7 @@ impl Builder<'_> {
             (Step::Move { motion, segment, blend, limits }, Some(tcps)) => {
                 let robot = Arc::clone(self.robot);
                 let tcp = tcps[motion.index()];
-                let segment = Arc::new(Supervised { inner: segment, robot, tcp });
+                let segment = Arc::new(SupervisedSegment { inner: segment, robot, tcp });
                 Step::Move { motion, segment, blend, limits }
             }
             (step, _) => step,
@@ -251,13 +251,13 @@ impl Builder<'_> {
         &mut self,
         motion: MotionIndex,
         leg: &Leg,
-        before: Option<&Rest>,
+        before: Option<&MotionRemainder>,
         after: Option<&RoundedCorner>,
     ) -> Result<(), Fault> {
         let [from_rad, to_rad] = leg.ends_rad;
         if leg.paths.is_empty() {
             let from_rad = match before {
-                Some(Rest::Line(from_rad)) => *from_rad,
+                Some(MotionRemainder::Line(from_rad)) => *from_rad,
                 _ => from_rad,
             };
             let to_rad = match after {
@@ -275,7 +275,7 @@ impl Builder<'_> {
         for (index, path) in leg.paths.iter().enumerate() {
             let from = match before {
                 // Blends reach into the first and the last segment of a spline only.
-                Some(Rest::Path(share)) if index == 0 => *share,
+                Some(MotionRemainder::Path(share)) if index == 0 => *share,
                 _ => 0.0,
             };
             let to = match after {
@@ -305,7 +305,7 @@ impl Builder<'_> {
         let image = if range == [0.0, 1.0] {
             JointSpline::clone(&path.image)
         } else {
-            let curve = Part { range, curve: Arc::clone(&path.curve) };
+            let curve = CurveInterval { range, curve: Arc::clone(&path.curve) };
             JointSpline::of(Arc::new(curve)).map_err(|error| Fault::Cartesian {
                 motion: Some(motion),
                 key: "frame",

@@ -16,14 +16,14 @@ use crate::{
 pub(crate) struct JointSpline {
     /// Starts of the pieces in s, followed by 1.
     breaks: Vec<f64>,
-    pieces: Vec<Piece>,
+    pieces: Vec<PieceCoefficients>,
     sigma: Sigma,
     /// Source of the TCP motion, for TCP limits.
     curve: Arc<dyn JointCurve>,
 }
 
 /// Coefficients of all joints, lowest power of the share of the piece first.
-type Piece = [Joints; 8];
+type PieceCoefficients = [Joints; 8];
 
 /// Largest distance between the polynomials and the curve, in rad.
 const TOLERANCE_RAD: f64 = 1e-9;
@@ -135,7 +135,7 @@ impl JointSpline {
     }
 
     /// Returns the piece at `s`, the share of the piece, and its length in s.
-    fn piece(&self, s: f64) -> (&Piece, f64, f64) {
+    fn piece(&self, s: f64) -> (&PieceCoefficients, f64, f64) {
         let index = self.breaks[1..self.pieces.len()].partition_point(|end| *end <= s);
         let [from, to] = [self.breaks[index], self.breaks[index + 1]];
         (&self.pieces[index], (s - from) / (to - from), to - from)
@@ -263,7 +263,7 @@ impl Segment for JointSpline {
 
 /// Returns the polynomials with the given values and three derivatives at both ends of a piece of
 /// this length in s.
-fn hermite(ends: &[MovingJoints; 2], length: f64) -> Piece {
+fn hermite(ends: &[MovingJoints; 2], length: f64) -> PieceCoefficients {
     let mut piece = [[0.0; 7]; 8];
     for j in 0..7 {
         let powers = [1.0, length, length * length, length * length * length];
@@ -295,7 +295,7 @@ const HERMITE: [[f64; 4]; 4] = [
     [-20.0, 10.0, -4.0, 1.0],
 ];
 
-fn value(piece: &Piece, share: f64) -> Joints {
+fn value(piece: &PieceCoefficients, share: f64) -> Joints {
     let [rest @ .., last] = piece;
     rest.iter().rev().fold(*last, |q, power| std::array::from_fn(|j| q[j] * share + power[j]))
 }

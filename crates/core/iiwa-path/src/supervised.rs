@@ -13,14 +13,14 @@ use crate::{
 /// A segment whose TCP limits apply to the TCP or to the flange, whichever is faster, as the
 /// controller supervises speed in the operating mode T1.
 #[derive(Clone, Debug)]
-pub(crate) struct Supervised {
+pub(crate) struct SupervisedSegment {
     pub(crate) inner: Arc<dyn Segment>,
     pub(crate) robot: Arc<Robot>,
     /// TCP in the flange frame.
     pub(crate) tcp: Pose,
 }
 
-impl Segment for Supervised {
+impl Segment for SupervisedSegment {
     fn at(&self, s: f64) -> Derivatives {
         self.inner.at(s)
     }
@@ -86,7 +86,7 @@ mod tests {
         // The TCP is faster than the flange, or the same point.
         for tcp in [Pose::from_xyz_abc([0.3, 0.0, 0.2], [0.0; 3]), Pose::IDENTITY] {
             let inner = Arc::new(blend.clone());
-            let supervised = Supervised { inner, robot: Arc::clone(&robot), tcp };
+            let supervised = SupervisedSegment { inner, robot: Arc::clone(&robot), tcp };
             for s in [0.15, 0.3, 0.55, 0.8] {
                 const STEP: f64 = 1e-4;
                 let way = |s: f64| supervised.tool_way(s);

@@ -48,14 +48,14 @@ use iiwa_program::{ByKind, LimitKind, ToolLimits};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolCoordinate {
-    form: Form,
+    form: CoordinateForm,
     limits: ByKind<f64>,
     of_turn: ByKind<bool>,
 }
 
 /// Definition of the coordinate on a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
+enum CoordinateForm {
     /// s.
     Even,
     Way,
@@ -85,7 +85,7 @@ impl ToolCoordinate {
                 |limit: f64, rate: f64| if rate > 0.0 { limit / rate } else { f64::INFINITY };
             let lengths = |kind| [over(limits.way[kind], way), over(limits.turn[kind], turn)];
             let coordinate = Self {
-                form: Form::Even,
+                form: CoordinateForm::Even,
                 limits: ByKind::from_fn(|kind| {
                     lengths(kind).into_iter().fold(f64::INFINITY, f64::min)
                 }),
@@ -101,8 +101,8 @@ impl ToolCoordinate {
         let (form, combined) =
             match (way > 0.0 && is_limited(&limits.way), turn > 0.0 && is_limited(&limits.turn)) {
                 (false, false) => return None,
-                (true, false) => (Form::Way, limits.way),
-                (false, true) => (Form::Turn, limits.turn),
+                (true, false) => (CoordinateForm::Way, limits.way),
+                (false, true) => (CoordinateForm::Turn, limits.turn),
                 (true, true) => {
                     // Without a kind in which both are limited, the ratio is that of the largest
                     // rates on the segment.
@@ -113,13 +113,13 @@ impl ToolCoordinate {
                         .unwrap_or(way / turn);
                     let combined =
                         ByKind::from_fn(|kind| limits.way[kind].min(ratio * limits.turn[kind]));
-                    (Form::Both(ratio), combined)
+                    (CoordinateForm::Both(ratio), combined)
                 }
             };
         let of_turn = match form {
-            Form::Even | Form::Way => ByKind::default(),
-            Form::Turn => ByKind::from_array([true; 3]),
-            Form::Both(ratio) => ByKind::from_fn(|kind| {
+            CoordinateForm::Even | CoordinateForm::Way => ByKind::default(),
+            CoordinateForm::Turn => ByKind::from_array([true; 3]),
+            CoordinateForm::Both(ratio) => ByKind::from_fn(|kind| {
                 let (way_limit, turn_limit) = (limits.way[kind], ratio * limits.turn[kind]);
                 turn_limit / (ratio * turn) < way_limit / way
             }),
@@ -145,10 +145,10 @@ impl ToolCoordinate {
     #[must_use]
     pub fn derivatives(&self, segment: &dyn Segment, s: f64) -> [f64; 3] {
         match self.form {
-            Form::Even => [1.0, 0.0, 0.0],
-            Form::Way => segment.tool_way(s).way_m,
-            Form::Turn => segment.tool_way(s).turn_rad,
-            Form::Both(ratio) => {
+            CoordinateForm::Even => [1.0, 0.0, 0.0],
+            CoordinateForm::Way => segment.tool_way(s).way_m,
+            CoordinateForm::Turn => segment.tool_way(s).turn_rad,
+            CoordinateForm::Both(ratio) => {
                 let ToolWay { way_m, turn_rad } = segment.tool_way(s);
                 both(way_m, turn_rad.map(|rate| ratio * rate))
             }

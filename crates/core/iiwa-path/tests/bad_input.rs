@@ -5,7 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_program::{Motion, MotionIndex, Program, ProgramError, Ptp, Sources, Start, Workcell};
@@ -23,7 +23,7 @@ const GOOD: &str = r#"{
 "#;
 
 /// Returns the error message of `text`, without the place, and the place.
-fn refused(text: &str) -> (String, Place) {
+fn refused(text: &str) -> (String, JsonPlace) {
     let (message, place, whole) = match Program::from_json(text) {
         Err(error) => (error.message(), error.place().clone(), error.to_string()),
         Ok(program) => {
@@ -32,7 +32,7 @@ fn refused(text: &str) -> (String, Place) {
             (fault.to_string(), place.clone(), format!("{fault}, at {place}"))
         }
     };
-    let Place { line, column, .. } = place;
+    let JsonPlace { line, column, .. } = place;
     assert_eq!(whole, format!("{message}, at line {line}, column {column}"));
     (message, place)
 }

@@ -1,6 +1,6 @@
 //! Reasons why a program cannot be read or planned.
 
-use iiwa_json::{Place, Step, excerpt, locate};
+use iiwa_json::{JsonPlace, JsonStep, excerpt, locate};
 use iiwa_kin::{ProfileError, Robot};
 use iiwa_program::{MotionIndex, ProgramError, Sources};
 use iiwa_traj::{PlanError, TimingError};
@@ -29,7 +29,7 @@ pub enum Error {
         /// Reason why the name is not read as a profile.
         reason: String,
         /// Place of the robot name in the program.
-        place: Place,
+        place: JsonPlace,
     },
     /// The profile of the robot named by the program is not valid.
     #[error("the robot's profile {file}: {error}")]
@@ -47,7 +47,7 @@ pub enum Error {
         /// Message, with the sources of the motions that it names.
         message: String,
         /// Place in the text of the program; `None` if no motion is at fault.
-        place: Option<Place>,
+        place: Option<JsonPlace>,
         /// Motion at fault.
         motion: Option<MotionIndex>,
         /// Planner error.
@@ -58,7 +58,7 @@ pub enum Error {
 impl Error {
     /// Error of a program, read from `text`, that names an unknown robot.
     pub(crate) fn unknown_robot(name: &str, reason: impl Into<String>, text: &str) -> Self {
-        let place = locate(text, &[Step::Key("robot")]);
+        let place = locate(text, &[JsonStep::Key("robot")]);
         Self::UnknownRobot { name: name.to_owned(), reason: reason.into(), place }
     }
 
@@ -69,8 +69,9 @@ impl Error {
         let motion = error.motion();
         let place = match &error {
             PlanError::Fault(fault) => Some(fault.place_in(text)),
-            _ => motion
-                .map(|motion| locate(text, &[Step::Key("motions"), Step::Index(motion.index())])),
+            _ => motion.map(|motion| {
+                locate(text, &[JsonStep::Key("motions"), JsonStep::Index(motion.index())])
+            }),
         };
         Self::Plan { message, place, motion, error: Box::new(error) }
     }
@@ -89,7 +90,7 @@ impl Error {
     /// Place in the program's text; `None` for an unreadable file or an error in the robot's
     /// profile.
     #[must_use]
-    pub fn place(&self) -> Option<&Place> {
+    pub fn place(&self) -> Option<&JsonPlace> {
         match self {
             Self::File { .. } | Self::Profile { .. } => None,
             Self::Program(error) => Some(error.place()),

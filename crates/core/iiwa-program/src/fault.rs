@@ -1,6 +1,6 @@
 //! Faults of programs.
 
-use iiwa_json::{Place, Step, locate};
+use iiwa_json::{JsonPlace, JsonStep, locate};
 use iiwa_kin::{Joint, OutsideRange};
 
 use crate::{
@@ -240,8 +240,8 @@ impl Fault {
 
     /// Place of the fault in the program's JSON text.
     #[must_use]
-    pub fn place_in(&self, text: &str) -> Place {
-        use Step::{Index, Key};
+    pub fn place_in(&self, text: &str) -> JsonPlace {
+        use JsonStep::{Index, Key};
         let motions = Key("motions");
         match self {
             Self::NoMotions => locate(text, &[motions]),

@@ -19,7 +19,7 @@ mod workcell;
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{Step, locate, object, object_or_null, read_version};
+use iiwa_json::{JsonStep, locate, object, object_or_null, read_version};
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -93,7 +93,7 @@ impl Program {
             message: format!("the start pose: {message}"),
             motion: None,
             made_from: None,
-            place: locate(text, &[Step::Key("start")]),
+            place: locate(text, &[JsonStep::Key("start")]),
         })?;
         let ProgramWire { tools, bases, frames, tool, base, mode, mount, .. } = wire;
         let named =

@@ -13,7 +13,7 @@ use crate::{
     cell_rows::RowParabolas,
     cells::{Lowering, has_row_at_end},
     error::SolveError,
-    geometry::Places,
+    geometry::PlaceValues,
     lanes::dispatch,
     limited_segment::LimitedSegment,
     mesh::{Mesh, mesh},
@@ -386,7 +386,7 @@ impl Attempt {
     /// share of the room that an offset leaves; both are 0 without further limits. `rates` are
     /// those of sigma at [`SHARES`] of the stretch.
     #[inline(always)]
-    fn largest_rows(&self, k: usize, [from, to]: [f64; 2], rates: &[Places; 3]) -> [f64; 2] {
+    fn largest_rows(&self, k: usize, [from, to]: [f64; 2], rates: &[PlaceValues; 3]) -> [f64; 2] {
         let near = self.mesh.rows.near(k);
         if near.is_empty() {
             return [0.0; 2];
@@ -396,7 +396,7 @@ impl Attempt {
         let (mut row, mut of_room) = (Peak::default(), Peak::default());
         for j in (0..near.len()).filter(|j| near[*j]) {
             let RowParabolas { acceleration, square, offset } = &RowParabolas::new(places, j);
-            let (mut shares, mut shares_of_room) = (Places::default(), Places::default());
+            let (mut shares, mut shares_of_room) = (PlaceValues::default(), PlaceValues::default());
             for i in 0..SHARES.len() {
                 let f = from + SHARES[i] * (to - from);
                 let moving =
@@ -431,8 +431,8 @@ impl Attempt {
     /// Speed, acceleration and jerk of sigma at [`SHARES`] of the stretch between two shares of
     /// cell `k`.
     #[inline(always)]
-    fn rates_along(&self, k: usize, [from, to]: [f64; 2]) -> [Places; 3] {
-        let mut rates = [Places::default(); 3];
+    fn rates_along(&self, k: usize, [from, to]: [f64; 2]) -> [PlaceValues; 3] {
+        let mut rates = [PlaceValues::default(); 3];
         for i in 0..SHARES.len() {
             let [speed, acceleration, jerk] = self.rates(k, from + SHARES[i] * (to - from));
             (rates[0][i], rates[1][i], rates[2][i]) = (speed, acceleration, jerk);

@@ -35,7 +35,7 @@ use crate::{
     mesh::Mesh,
     quadratic::{Quadratic, Terms},
     settings::InteriorPointSettings,
-    slack_pair::{Decreases, InteriorStart, InteriorStep, InteriorSteps, Start},
+    slack_pair::{Decreases, InteriorStart, InteriorStep, InteriorSteps, SlackStart},
     velocity_rows::VelocityRows,
 };
 
@@ -43,7 +43,7 @@ const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point
 
 /// Sums over all limits.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sums {
+pub(crate) struct LimitSums {
     /// Sum of the products of slacks and duals.
     pub(crate) gap: f64,
     /// Largest residual of a row, as a share of its bound.
@@ -259,7 +259,7 @@ impl<const J: usize> CellBlock<J> {
     }
 
     /// Sets the slacks to the distances from the limits, and the duals accordingly.
-    pub(crate) fn start<S: Simd>(&mut self, simd: S, states: &[CellState], start: Start) {
+    pub(crate) fn start<S: Simd>(&mut self, simd: S, states: &[CellState], start: SlackStart) {
         let block = self.any();
         if J == 1 {
             block.start::<true, S>(simd, states, start);
@@ -276,7 +276,7 @@ impl<const J: usize> CellBlock<J> {
         states: &[CellState],
         steps: [InteriorStep; 2],
         quadratics: &mut [Quadratic],
-        sums: &mut Sums,
+        sums: &mut LimitSums,
     ) {
         let block = self.any();
         if J == 1 {
@@ -401,7 +401,7 @@ impl AnyBlock<'_> {
     }
 
     #[inline(never)]
-    fn start<const LINE: bool, S: Simd>(self, simd: S, states: &[CellState], start: Start) {
+    fn start<const LINE: bool, S: Simd>(self, simd: S, states: &[CellState], start: SlackStart) {
         simd.vectorize(
             #[inline(always)]
             move || {
@@ -444,7 +444,7 @@ impl AnyBlock<'_> {
         states: &[CellState],
         [last, next]: [InteriorStep; 2],
         quadratics: &mut [Quadratic],
-        sums: &mut Sums,
+        sums: &mut LimitSums,
     ) {
         simd.vectorize(
             #[inline(always)]

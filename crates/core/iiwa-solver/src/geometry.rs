@@ -7,7 +7,7 @@ use iiwa_path::{Coordinates, PLACES};
 pub(crate) type SigmaDerivatives = [Coordinates; 3];
 
 /// A number for each place.
-pub(crate) type Places = [f64; PLACES];
+pub(crate) type PlaceValues = [f64; PLACES];
 
 /// First to third derivative of q by sigma at eight places of a segment, in the form that suits its
 /// shape.

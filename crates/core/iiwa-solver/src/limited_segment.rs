@@ -10,7 +10,7 @@ use iiwa_path::{Coordinates, PlanarGraph, Segment, ToolCoordinate};
 use iiwa_program::{ByKind, LimitKind, MotionLimits};
 
 use crate::{
-    geometry::{Geometry, Places, SigmaDerivatives, in_plane},
+    geometry::{Geometry, PlaceValues, SigmaDerivatives, in_plane},
     limiting_joints::LimitingJoints,
     peaks::{Peak, larger, parabola_error},
     rest_ramp::RestRamp,
@@ -305,7 +305,7 @@ impl<'a> LimitedSegment<'a> {
 
     /// Derivatives of q by sigma at some sigma, in rad.
     #[must_use]
-    pub fn geometry(&self, sigma: &Places) -> Geometry {
+    pub fn geometry(&self, sigma: &PlaceValues) -> Geometry {
         if self.is_line() {
             return Geometry::Line;
         }
@@ -467,9 +467,13 @@ impl<'a> LimitedSegment<'a> {
 
     /// Shares of all limits of each coordinate at all places of `geometry`.
     #[inline(always)]
-    fn sampled_shares(&self, geometry: &Geometry, rates: &[Places; 3]) -> [[Places; 8]; 3] {
-        let mut shares = [[Places::default(); 8]; 3];
-        for i in 0..Places::default().len() {
+    fn sampled_shares(
+        &self,
+        geometry: &Geometry,
+        rates: &[PlaceValues; 3],
+    ) -> [[PlaceValues; 8]; 3] {
+        let mut shares = [[PlaceValues::default(); 8]; 3];
+        for i in 0..PlaceValues::default().len() {
             let lane_shares = self.shares(geometry, i, rates.map(|rate| rate[i])).into_array();
             for (shares, lane) in std::iter::zip(&mut shares, lane_shares) {
                 std::iter::zip(shares, lane).for_each(|(share, value)| share[i] = value);
@@ -481,7 +485,11 @@ impl<'a> LimitedSegment<'a> {
     /// Error bounds of the shares that [`largest_shares`](Self::largest_shares) finds. They are
     /// negligible on lines and graphs in a plane, whose derivatives are polynomials along the whole
     /// segment.
-    pub(crate) fn share_errors(&self, geometry: &Geometry, rates: &[Places; 3]) -> ByKind<f64> {
+    pub(crate) fn share_errors(
+        &self,
+        geometry: &Geometry,
+        rates: &[PlaceValues; 3],
+    ) -> ByKind<f64> {
         let Geometry::General(_) = geometry else { return ByKind::default() };
         let limited = if self.has_tool() { 8 } else { 7 };
         ByKind::from_array(
@@ -493,7 +501,11 @@ impl<'a> LimitedSegment<'a> {
     /// Largest shares of the limits from samples of a stretch: its `geometry` at
     /// [`SHARES`](crate::peaks::SHARES) of it, and speed, acceleration and jerk of sigma there.
     #[inline(always)]
-    pub(crate) fn largest_shares(&self, geometry: &Geometry, rates: &[Places; 3]) -> ByKind<f64> {
+    pub(crate) fn largest_shares(
+        &self,
+        geometry: &Geometry,
+        rates: &[PlaceValues; 3],
+    ) -> ByKind<f64> {
         let at = |i: usize| rates.map(|rate| rate[i]);
         let mut peaks = ByKind::<Peak>::default();
         if let Geometry::General(_) = geometry {
@@ -506,10 +518,10 @@ impl<'a> LimitedSegment<'a> {
             }
             return peaks.map(|_, peak| peak.get());
         }
-        let mut of_plane = [[Places::default(); 2]; 3];
+        let mut of_plane = [[PlaceValues::default(); 2]; 3];
         let across =
             if let Geometry::Planar(across) = geometry { *across } else { Default::default() };
-        for i in 0..Places::default().len() {
+        for i in 0..PlaceValues::default().len() {
             let parts = in_plane(across.map(|derivative| derivative[i]), at(i));
             for (of_plane, [along, aside]) in std::iter::zip(&mut of_plane, parts) {
                 (of_plane[0][i], of_plane[1][i]) = (along, aside);

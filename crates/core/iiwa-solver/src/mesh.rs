@@ -70,12 +70,12 @@ struct Switch {
 /// precision: next to one end, cells may be shorter than the rounding error of the distance from
 /// the other.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct MeshPlace {
     start: f64,
     end: f64,
 }
 
-impl Place {
+impl MeshPlace {
     fn is_nearer_to_start(self) -> bool {
         self.start < self.end
     }
@@ -190,13 +190,13 @@ pub(crate) fn mesh(
         let min_length = min_length.min(at_start).min(at_end);
         // The march from the end arrives at the cell that touches rest at the start, which has its
         // largest permitted length.
-        let floor = |place: Place| match from_rest {
+        let floor = |place: MeshPlace| match from_rest {
             Some(rest) if backwards && place.start <= rest => rest,
             _ => min_length,
         };
         let turn = segment.turn_back();
-        let swept_at = |place: Place| swept.at(if backwards { place.end } else { place.start });
-        let size = |place: Place| {
+        let swept_at = |place: MeshPlace| swept.at(if backwards { place.end } else { place.start });
+        let size = |place: MeshPlace| {
             let SweptSample { x, t_s, .. } = swept_at(place);
             let duration_s = near
                 .iter()
@@ -213,7 +213,7 @@ pub(crate) fn mesh(
                 .min(sizes.turn * turn + sizes.turn_growth * 0.5 * (place.start - place.end).abs())
                 .max(floor(place))
         };
-        let size = |place: Place| size(if backwards { place.reversed() } else { place });
+        let size = |place: MeshPlace| size(if backwards { place.reversed() } else { place });
         let first = if backwards { to_rest } else { from_rest };
         let mut nodes = march(segment.length, first, size)?;
         if backwards {
@@ -242,14 +242,18 @@ const MIN_SHRINKING: f64 = 0.125;
 /// Nodes along `length` at distances of about `size`, which changes little from one node to the
 /// next. The first distance is given if the robot is at rest there. Returns `None` if there are too
 /// many nodes.
-fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<Vec<Place>> {
-    let mut place = Place { start: 0.0, end: length };
+fn march(
+    length: f64,
+    rest: Option<f64>,
+    size: impl Fn(MeshPlace) -> f64,
+) -> Option<Vec<MeshPlace>> {
+    let mut place = MeshPlace { start: 0.0, end: length };
     let mut nodes = vec![place];
     if let Some(rest) = rest {
         place = place.after(rest, length);
         nodes.push(place);
     }
-    let end = Place { start: length, end: 0.0 };
+    let end = MeshPlace { start: length, end: 0.0 };
     while place.end > 0.0 {
         let after =
             |step: f64| if step < place.way_to(end) { place.after(step, length) } else { end };
@@ -280,10 +284,10 @@ fn march(length: f64, rest: Option<f64>, size: impl Fn(Place) -> f64) -> Option<
     for node in &mut nodes {
         *node = if node.is_nearer_to_start() {
             let start = node.start * fit;
-            Place { start, end: length - start }
+            MeshPlace { start, end: length - start }
         } else {
             let end = (node.end - missing) * fit;
-            Place { start: length - end, end }
+            MeshPlace { start: length - end, end }
         };
     }
     Some(nodes)
@@ -323,7 +327,7 @@ mod tests {
 
     use super::*;
 
-    fn lengths(nodes: &[Place]) -> Vec<f64> {
+    fn lengths(nodes: &[MeshPlace]) -> Vec<f64> {
         nodes.windows(2).map(|pair| pair[0].way_to(pair[1])).collect()
     }
 
@@ -331,7 +335,7 @@ mod tests {
     /// its start: far below the rounding error of the distance from the start.
     #[test]
     fn both_ends_keep_full_precision() {
-        let size = |place: Place| 1e-20 + 0.25 * place.start.min(place.end);
+        let size = |place: MeshPlace| 1e-20 + 0.25 * place.start.min(place.end);
         let nodes = march(1.0, Some(1e-20), size).unwrap();
         let lengths = lengths(&nodes);
         assert!((lengths[0] / 1e-20 - 1.0).abs() < 0.3, "{:e}", lengths[0]);
@@ -354,11 +358,11 @@ mod tests {
     #[test]
     fn places_keep_the_digits_of_the_nearer_end() {
         let length = 1.0;
-        let near_start = Place { start: 1e-20, end: 1.0 }.after(2e-20, length);
-        let near_end = Place { start: 1.0, end: 3e-20 }.after(2e-20, length);
+        let near_start = MeshPlace { start: 1e-20, end: 1.0 }.after(2e-20, length);
+        let near_end = MeshPlace { start: 1.0, end: 3e-20 }.after(2e-20, length);
         assert!((near_start.start / 3e-20 - 1.0).abs() < 1e-14, "{near_start:?}");
         assert!((near_end.end / 1e-20 - 1.0).abs() < 1e-14, "{near_end:?}");
-        let way = Place { start: 1.0, end: 3e-20 }.way_to(near_end);
+        let way = MeshPlace { start: 1.0, end: 3e-20 }.way_to(near_end);
         assert!((way / 2e-20 - 1.0).abs() < 1e-14, "{way:e}");
     }
 

@@ -1,24 +1,25 @@
 //! Extrema of smooth curves from samples.
 
-use crate::geometry::Places;
+use crate::geometry::PlaceValues;
 
 /// Places of a cell that are sampled, as shares of it: evenly spaced from its start to its end. The
 /// last one is repeated to fill vector registers.
-pub(crate) const SHARES: Places = [0.0, 1.0 / 6.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 5.0 / 6.0, 1.0, 1.0];
+pub(crate) const SHARES: PlaceValues =
+    [0.0, 1.0 / 6.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 5.0 / 6.0, 1.0, 1.0];
 
 /// Largest magnitude of some curves.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Peak {
-    largest: Places,
+    largest: PlaceValues,
     /// Zero, or NaN if a sample is not finite.
-    spoilt: Places,
+    spoilt: PlaceValues,
 }
 
 impl Peak {
     /// Adds a curve sampled at [`SHARES`]: its samples, and the vertex of the parabola through
     /// three neighbouring samples.
     #[inline(always)]
-    pub(crate) fn add(&mut self, samples: &Places) {
+    pub(crate) fn add(&mut self, samples: &PlaceValues) {
         // At both ends the missing neighbour mirrors the other one, which puts the vertex at the
         // end.
         let before = [1, 0, 1, 2, 3, 4, 5, 7].map(|i: usize| samples[i]);
@@ -46,7 +47,7 @@ impl Peak {
 
 /// Largest error of a parabola through three neighbouring samples between these samples, exact for
 /// a cubic through four samples.
-pub(crate) fn parabola_error(samples: &Places) -> f64 {
+pub(crate) fn parabola_error(samples: &PlaceValues) -> f64 {
     /// Largest value of `f (f - 1) (f - 2) / 6` for f from 0 to 2.
     const CUBIC: f64 = 0.064_150_029_909_958_41;
     let third = |i: usize| samples[i + 3] - samples[i] + 3.0 * (samples[i + 1] - samples[i + 2]);

@@ -6,7 +6,7 @@ use crate::{cell::Cell, functionals::CellState, limited_segment::LimitedSegment,
 
 /// A cell that touches rest, described by x at its other end.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rest {
+pub(crate) struct RestCell {
     pub(crate) length: f64,
     /// The adjacent cell, and its row of x at the common end.
     pub(crate) cell: usize,
@@ -19,22 +19,25 @@ pub(crate) struct Rest {
 /// The cells that touch rest.
 pub(crate) struct Rests {
     /// `None` if the section starts at `entry`.
-    pub(crate) from: Option<Rest>,
+    pub(crate) from: Option<RestCell>,
     /// `None` if the section ends at `exit`.
-    pub(crate) to: Option<Rest>,
+    pub(crate) to: Option<RestCell>,
 }
 
 impl Rests {
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Rest> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &RestCell> {
         self.from.iter().chain(&self.to)
     }
 
     /// Rests adjacent to one of `cells`.
-    pub(crate) fn within(&self, cells: &Range<usize>) -> impl Iterator<Item = &Rest> {
+    pub(crate) fn within(&self, cells: &Range<usize>) -> impl Iterator<Item = &RestCell> {
         self.iter().filter(|rest| cells.contains(&rest.cell))
     }
 
-    pub(crate) fn within_mut(&mut self, cells: &Range<usize>) -> impl Iterator<Item = &mut Rest> {
+    pub(crate) fn within_mut(
+        &mut self,
+        cells: &Range<usize>,
+    ) -> impl Iterator<Item = &mut RestCell> {
         let rests = self.from.iter_mut().chain(&mut self.to);
         rests.filter(|rest| cells.contains(&rest.cell))
     }
@@ -49,7 +52,7 @@ pub(crate) struct ScalarSlackPair {
     pub(crate) dz: f64,
 }
 
-impl Rest {
+impl RestCell {
     /// Creates the rest at `s` of its segment: at the start or at the end.
     pub(crate) fn new(
         rest: &Cell,

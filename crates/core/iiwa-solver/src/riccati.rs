@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// The stages and their boundary conditions.
-pub(crate) struct Chain<'a> {
+pub(crate) struct StageChain<'a> {
     /// Cells that are stages; all others are fixed.
     pub(crate) stages: Range<usize>,
     pub(crate) lengths: &'a [f64],
@@ -103,11 +103,11 @@ pub(crate) struct NotConvex;
 #[inline(always)]
 pub(crate) fn solve<S: Simd>(
     _: S,
-    chain: &Chain<'_>,
+    chain: &StageChain<'_>,
     gains: &mut [Gain],
     steps: &mut [CellState],
 ) -> Result<(), NotConvex> {
-    let Chain { ref stages, lengths, free, quadratics, states, ref to_rest, .. } = *chain;
+    let StageChain { ref stages, lengths, free, quadratics, states, ref to_rest, .. } = *chain;
     let n = lengths.len();
     // Cost-to-go: second derivatives by (x, x), (x, V), (V, V), and first derivatives.
     let (mut p, mut pg) = ([0.0_f64; 3], [0.0_f64; 2]);
@@ -195,12 +195,12 @@ pub(crate) fn solve<S: Simd>(
 /// one.
 #[inline(always)]
 fn forwards<S: Simd>(
-    chain: &Chain<'_>,
+    chain: &StageChain<'_>,
     gains: &[Gain],
     (p, pg): ([f64; 3], [f64; 2]),
     steps: &mut [CellState],
 ) -> Result<(), NotConvex> {
-    let Chain { ref stages, lengths, free, slope_from_rest, ref to_rest, .. } = *chain;
+    let StageChain { ref stages, lengths, free, slope_from_rest, ref to_rest, .. } = *chain;
     let n = lengths.len();
     let (mut x, mut v) = (0.0, 0.0);
     if let Some(slope) = slope_from_rest {
@@ -317,7 +317,7 @@ mod tests {
     }
 
     /// Solves the Karush-Kuhn-Tucker conditions of all stages in one dense matrix.
-    fn dense(chain: &Chain<'_>) -> Vec<f64> {
+    fn dense(chain: &StageChain<'_>) -> Vec<f64> {
         let (first, stages) = (chain.stages.start, chain.stages.len());
         let (unknowns, n) = (4 * stages, chain.lengths.len());
         // Coefficients by stage and component, and the right-hand side.
@@ -397,7 +397,7 @@ mod tests {
         ];
         for (stages, slope_from_rest, free) in cases {
             let case = format!("{stages:?}, {slope_from_rest:?}, {free:?}");
-            let chain = Chain {
+            let chain = StageChain {
                 stages: stages.clone(),
                 lengths: &lengths,
                 free: &free,

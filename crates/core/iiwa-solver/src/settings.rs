@@ -11,7 +11,7 @@ use iiwa_program::ByKind;
 
 /// Settings of the solver; [`SETTINGS`] has their values.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Settings {
+pub(crate) struct SolverSettings {
     pub(crate) mesh: MeshSettings,
     pub(crate) interior_point: InteriorPointSettings,
     pub(crate) refinement: RefinementSettings,
@@ -199,7 +199,7 @@ pub(crate) struct WindowSettings {
 }
 
 /// The values in use.
-pub(crate) const SETTINGS: Settings = Settings {
+pub(crate) const SETTINGS: SolverSettings = SolverSettings {
     mesh: MeshSettings {
         switch: 0.3,
         fade: 0.5,

@@ -13,7 +13,7 @@ const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point
 /// Initial slacks and duals: their products, the least slack as a share of its bound, and the
 /// factor by which a dual may differ from mu over its slack.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Start {
+pub(crate) struct SlackStart {
     pub(crate) mu: f64,
     pub(crate) min_slack: f64,
     pub(crate) kept: f64,
@@ -68,7 +68,11 @@ pub(crate) struct InteriorStart<S: Simd> {
 
 impl<S: Simd> InteriorStart<S> {
     #[inline(always)]
-    pub(crate) fn new(simd: S, register: usize, Start { mu, min_slack, kept }: Start) -> Self {
+    pub(crate) fn new(
+        simd: S,
+        register: usize,
+        SlackStart { mu, min_slack, kept }: SlackStart,
+    ) -> Self {
         let [mu, min_slack] = [mu, min_slack].map(|value| Vector::splat(simd, value));
         Self { simd, register, mu, min_slack, kept }
     }

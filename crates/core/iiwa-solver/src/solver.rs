@@ -27,17 +27,17 @@ use pulp::Simd;
 use crate::{
     blocks::{Blocks, for_each_block},
     cell::Cell,
-    cells::{LargestDecreases, Lowering, Sums},
+    cells::{LargestDecreases, LimitSums, Lowering},
     error::SolveError,
     functionals::{CellState, EndV, EndX, Functional, StartX},
     lanes::dispatch,
     limited_segment::LimitedSegment,
     mesh::Mesh,
     quadratic::Quadratic,
-    rests::{Rest, Rests, ScalarSlackPair},
-    riccati::{self, Chain, Gain, NotConvex},
+    rests::{RestCell, Rests, ScalarSlackPair},
+    riccati::{self, Gain, NotConvex, StageChain},
     settings::{InteriorPointSettings, WarmStart},
-    slack_pair::{InteriorStep, Start},
+    slack_pair::{InteriorStep, SlackStart},
 };
 
 /// The problem of one section, with the current iterate.
@@ -103,10 +103,10 @@ impl Solver {
         let lengths: Vec<_> = cells.iter().map(|cell| cell.length).collect();
         let from_rest = mesh.from_rest.as_ref();
         let from_rest =
-            from_rest.map(|rest| Rest::new(rest, &segments[rest.segment], 0.0, 0, StartX::ROW));
+            from_rest.map(|rest| RestCell::new(rest, &segments[rest.segment], 0.0, 0, StartX::ROW));
         let to_rest = mesh.to_rest.as_ref();
         let to_rest =
-            to_rest.map(|rest| Rest::new(rest, &segments[rest.segment], 1.0, n - 1, EndX::ROW));
+            to_rest.map(|rest| RestCell::new(rest, &segments[rest.segment], 1.0, n - 1, EndX::ROW));
         let [x, dx] = entry.unwrap_or_default();
         let mut free = vec![true; n];
         let mut limited = Vec::with_capacity(n);
@@ -199,7 +199,7 @@ impl Solver {
             }
         }
         // The slopes at both ends match those of the cells that touch rest.
-        let rest = |k: usize, rest: &Rest| 1.0 / (1.0 + length(k) / (1.5 * rest.length));
+        let rest = |k: usize, rest: &RestCell| 1.0 / (1.0 + length(k) / (1.5 * rest.length));
         if let Some(from_rest) = &self.rests.from {
             control[0] = rest(1, from_rest) * control[1];
         }
@@ -241,7 +241,7 @@ impl Solver {
         let mu = start.mu * self.duration_s() / self.limits();
         self.mu = mu;
         self.last = InteriorStep::default();
-        let start = Start { mu, min_slack: start.slack, kept: start.kept };
+        let start = SlackStart { mu, min_slack: start.slack, kept: start.kept };
         dispatch(Restart { solver: self, start });
         for rest in self.rests.within_mut(&self.window) {
             let s = (1.0 - rest.x(&self.states) / rest.cap).max(start.min_slack);
@@ -414,10 +414,10 @@ impl Solver {
     }
 
     #[inline(always)]
-    fn assemble<S: Simd>(&mut self, simd: S) -> Sums {
+    fn assemble<S: Simd>(&mut self, simd: S) -> LimitSums {
         let mu = self.mu;
         let steps = [self.last, InteriorStep { mu, ..InteriorStep::default() }];
-        let mut sums = Sums::default();
+        let mut sums = LimitSums::default();
         for_each_block!(&mut self.blocks, &self.window, block => {
             block.assemble(simd, &self.states, steps, &mut self.quadratics, &mut sums);
         });
@@ -439,7 +439,7 @@ impl Solver {
     /// Finds the step of all states that minimises the sum of the quadratic functions of the cells.
     #[inline(always)]
     fn find_state_steps<S: Simd>(&mut self, simd: S) -> Result<(), NotConvex> {
-        let chain = Chain {
+        let chain = StageChain {
             stages: self.window.clone(),
             lengths: &self.lengths,
             free: &self.free,
@@ -484,7 +484,7 @@ impl Solver {
             self.stop();
         }
         self.last = InteriorStep { mu: self.mu, primal, dual };
-        for Rest { slack, .. } in self.rests.within_mut(&self.window) {
+        for RestCell { slack, .. } in self.rests.within_mut(&self.window) {
             // Each slack and dual stops at its own boundary, as in `SlackPair::advance`.
             slack.s = (slack.s + primal * slack.ds).max(SETTINGS.min_share * slack.s);
             slack.z = (slack.z + dual * slack.dz).max(SETTINGS.min_share * slack.z);
@@ -558,7 +558,7 @@ impl pulp::WithSimd for Solve<'_> {
 
 struct Restart<'a> {
     solver: &'a mut Solver,
-    start: Start,
+    start: SlackStart,
 }
 
 impl pulp::WithSimd for Restart<'_> {

@@ -79,7 +79,7 @@ fn next_instant(start_s: f64, t_s: f64) -> f64 {
 
 /// Progress between two nodes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Progress {
+pub(crate) struct IntervalProgress {
     /// Change of p.
     pub(crate) dp: f64,
     /// dp/dt, in 1/s.
@@ -100,7 +100,7 @@ const MISSED: f64 = 1e-12;
 /// If the cubic with linear d2p/dt2 meets the second node up to [`MISSED`], the result is that
 /// cubic: over some nanoseconds, jerk would otherwise consist of the rounding of rates and ways.
 #[inline]
-pub(crate) fn progress(t: f64, from: &Node, to: &Node) -> Progress {
+pub(crate) fn progress(t: f64, from: &Node, to: &Node) -> IntervalProgress {
     let (whole, dp) = (from.dt_s, from.dp);
     let (v, a) = (from.rate, from.u[0]);
     let harder = whole * whole * (from.u[1] - a);
@@ -118,7 +118,7 @@ pub(crate) fn progress(t: f64, from: &Node, to: &Node) -> Progress {
     let rate = v + t * a + f * f * (3.0 * cubic + f * (4.0 * quartic + f * 5.0 * quintic)) / whole;
     let u = a + f * (6.0 * cubic + f * (12.0 * quartic + f * 20.0 * quintic)) / (whole * whole);
     let du = (6.0 * cubic + f * (24.0 * quartic + f * 60.0 * quintic)) / (whole * whole * whole);
-    Progress { dp: p, rate, u, du }
+    IntervalProgress { dp: p, rate, u, du }
 }
 
 #[cfg(test)]

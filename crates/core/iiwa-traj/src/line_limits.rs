@@ -4,7 +4,7 @@
 
 use iiwa_kin::vector::largest_multiple;
 
-use crate::sweep::Sample;
+use crate::sweep::SweepNode;
 
 /// Minimum share of a line over which the speed changes. A shorter ramp of a slow motion is
 /// stretched to this length, because it would be lost in rounding; u only decreases, and the cost
@@ -36,7 +36,7 @@ impl LineLimits {
 
     /// Returns the fastest motion from x0 at s = 0 to x1 at s = 1: up to four nodes (s, x), between
     /// which d2s/dt2 is constant. Each end must be reachable from the other.
-    pub(crate) fn fastest(&self, x0: f64, x1: f64) -> impl Iterator<Item = (f64, Sample)> {
+    pub(crate) fn fastest(&self, x0: f64, x1: f64) -> impl Iterator<Item = (f64, SweepNode)> {
         let top = (0.5 * (x0 + x1) + self.u_max).min(self.x_max).max(x0).max(x1);
         let ramp = |x: f64| {
             let rises = top - x > 1e-12 * top;
@@ -59,7 +59,7 @@ impl LineLimits {
         std::iter::zip(nodes, nexts).filter_map(|(node, (next_s, next_x))| {
             let (s, x) = node?;
             let u = if next_s > s { (next_x - x) / (2.0 * (next_s - s)) } else { 0.0 };
-            Some((s, Sample { x, u: [u; 2], ..Sample::default() }))
+            Some((s, SweepNode { x, u: [u; 2], ..SweepNode::default() }))
         })
     }
 }

@@ -7,7 +7,7 @@ use iiwa_path::{JointPath, Segment, Step, ToolCoordinate};
 use iiwa_program::{MotionIndex, MotionType};
 
 use crate::{
-    interval::{self, Progress},
+    interval::{self, IntervalProgress},
     late_blend::LateBlend,
     limit::{Limit, LimitShare},
     limit_usage::LimitUsage,
@@ -434,7 +434,7 @@ impl Section {
         to: &Node,
     ) -> State {
         let dt = (t_s - self.start_s - from.t_s).clamp(0.0, from.dt_s);
-        let Progress { dp, rate, u, du } = interval::progress(dt, from, to);
+        let IntervalProgress { dp, rate, u, du } = interval::progress(dt, from, to);
         // Rounding may lead beyond the ends of the segment.
         let d = segment.at_share((from.p + dp).clamp(0.0, 1.0));
         State {

@@ -19,7 +19,7 @@ use crate::{
     node::Node,
     path_limits::StepLimits,
     section::{Piece, Section},
-    sweep::{self, Bounds, MAX_GROUPS, Nodes, Sample},
+    sweep::{self, Bounds, MAX_GROUPS, Nodes, SweepNode},
     timing::TimingError,
 };
 
@@ -39,7 +39,7 @@ pub(crate) struct SweepScratch {
 struct Scratch<const R: usize> {
     grid: Grid,
     /// Nodes of all segments.
-    samples: Vec<Sample>,
+    samples: Vec<SweepNode>,
     /// Samples and bounds of curves, kept from the backward pass for the forward pass.
     curves: Vec<CurveSamples<R>>,
 }
@@ -297,7 +297,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             .sum();
         let mut samples = std::mem::take(&mut self.scratch.samples);
         samples.clear();
-        samples.resize(total, Sample::default());
+        samples.resize(total, SweepNode::default());
         // A line yields up to four nodes but uses two samples.
         section.nodes.reserve_exact(total + 2 * steps.len());
 
@@ -323,7 +323,7 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
         &mut self,
         Moves { steps, ends: [start, end], .. }: &Moves<'_>,
         again: bool,
-        samples: &mut [Sample],
+        samples: &mut [SweepNode],
         section: &mut Section,
     ) -> Result<bool, TimingError> {
         let mut tightened = false;
@@ -486,13 +486,13 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
 #[inline(always)]
 fn stamp<S: Simd>(
     simd: S,
-    samples: impl Iterator<Item = (f64, Sample)>,
+    samples: impl Iterator<Item = (f64, SweepNode)>,
     start_s: f64,
     t_s: &mut f64,
     nodes: &mut Vec<Node>,
 ) {
     let first = nodes.len();
-    for (p, Sample { x, u, .. }) in samples {
+    for (p, SweepNode { x, u, .. }) in samples {
         nodes.push(Node { t_s: *t_s, p, rate: x.sqrt(), u, ..Node::default() });
     }
     let mut nodes = &mut nodes[first..];

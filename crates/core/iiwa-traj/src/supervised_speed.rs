@@ -22,14 +22,14 @@ const LONGEST_S: f64 = 4e-3;
 const HALVINGS: usize = 50;
 
 /// Piece under speed supervision.
-struct Way<'a> {
+struct SupervisedPiece<'a> {
     segment: &'a dyn Segment,
     robot: &'a Robot,
     tcp: &'a Pose,
     speed_m_s: f64,
 }
 
-impl Way<'_> {
+impl SupervisedPiece<'_> {
     /// Returns the largest dp/dt at `p`.
     fn max_rate(&self, p: f64) -> f64 {
         let derivatives = self.segment.at_share(p.clamp(0.0, 1.0));
@@ -100,7 +100,7 @@ fn parted(from: &Node, to: &Node, seconds: f64) -> [Node; 2] {
     [first, second]
 }
 
-impl Way<'_> {
+impl SupervisedPiece<'_> {
     /// Returns the nodes of a piece with the speed held where it is too high, with times from its
     /// start.
     fn nodes(&self, planned: &[Node]) -> Vec<Node> {
@@ -162,7 +162,8 @@ impl Section {
         for piece in &self.pieces {
             let Step::Move { segment, motion, .. } = &path.steps()[piece.step] else { continue };
             let tcp = path.tcp(*motion);
-            let way = Way { segment: segment.as_ref(), robot: path.robot(), tcp, speed_m_s };
+            let way =
+                SupervisedPiece { segment: segment.as_ref(), robot: path.robot(), tcp, speed_m_s };
             let mut nodes = way.nodes(&self.nodes[piece.nodes.clone()]);
             let usage = way.usage(&nodes, path.limits_of(piece.step));
             for node in &mut nodes {

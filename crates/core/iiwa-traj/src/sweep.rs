@@ -169,7 +169,7 @@ impl<const R: usize> Interval<'_, R> {
 
 /// A node of the sweep.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
+pub(crate) struct SweepNode {
     /// (dp/dt)^2, in 1/s^2.
     pub(crate) x: f64,
     /// d2p/dt2 at the start and at the end of the interval that begins here, in 1/s^2.
@@ -182,7 +182,7 @@ pub(crate) struct Sample {
     pub(crate) share: f64,
 }
 
-impl Default for Sample {
+impl Default for SweepNode {
     fn default() -> Self {
         Self { x: 0.0, u: [0.0; 2], even: false, x_max: UNLIMITED, share: 1.0 }
     }
@@ -211,7 +211,7 @@ pub(crate) fn bounds<S: Simd, const R: usize>(
 }
 
 /// Lowers the limits in `bounds` to the shares found by earlier sweeps.
-pub(crate) fn lower<const R: usize>(bounds: &mut [Bounds<R>], samples: &[Sample]) {
+pub(crate) fn lower<const R: usize>(bounds: &mut [Bounds<R>], samples: &[SweepNode]) {
     for (bounds, sample) in bounds.iter_mut().zip(samples) {
         bounds.lower(sample.share);
     }
@@ -241,7 +241,7 @@ pub(crate) fn backward<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
     bounds: &[Bounds<R>],
     end: f64,
-    samples: &mut [Sample],
+    samples: &mut [SweepNode],
 ) {
     for sample in &mut *samples {
         sample.x = UNLIMITED;
@@ -259,7 +259,7 @@ fn lower_x<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
     bounds: &[Bounds<R>],
     [first, last]: [usize; 2],
-    samples: &mut [Sample],
+    samples: &mut [SweepNode],
 ) -> usize {
     let (nodes, bounds) = (nodes.first(samples.len()), &bounds[..samples.len()]);
     let Nodes { simd, grid, .. } = nodes;
@@ -349,7 +349,7 @@ fn forward<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
     bounds: &[Bounds<R>],
     [first, last]: [usize; 2],
-    samples: &mut [Sample],
+    samples: &mut [SweepNode],
 ) -> Option<[usize; 2]> {
     let (nodes, bounds) = (nodes.first(samples.len()), &bounds[..samples.len()]);
     let Nodes { simd, grid, .. } = nodes;
@@ -447,7 +447,7 @@ impl<S: Simd> Nodes<'_, S> {
         let row = |row| S::as_simd_f64s(row).0;
         let (dq, ddq) = ([row(&dq[i]), row(&dq[i + 1])], [row(&ddq[i]), row(&ddq[i + 1])]);
         let velocity = row(velocity);
-        let place = Place::new(h, x, u, 0.5);
+        let place = IntervalPlace::new(h, x, u, 0.5);
         let (mut acceleration, mut square) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
         for k in 0..velocity.len() {
             let ends = [dq[0][k], dq[1][k], ddq[0][k], ddq[1][k]];
@@ -463,7 +463,7 @@ impl<S: Simd> Nodes<'_, S> {
     /// of its length. Above the tolerated excess, the moving part over the limit minus the offset
     /// is returned instead: tightening lowers that part, since the offset (gravity, for torques)
     /// does not depend on the speed.
-    fn row(&self, i: usize, place: &Place, t: f64) -> f64 {
+    fn row(&self, i: usize, place: &IntervalPlace, t: f64) -> f64 {
         let count = self.row_count;
         let [from, to] = [i, i + 1].map(|node| &self.rows[node * count..(node + 1) * count]);
         let mut worst = 0.0;
@@ -489,8 +489,11 @@ impl<S: Simd> Nodes<'_, S> {
         let row = |row| S::as_simd_f64s(row).0;
         let (dq, ddq) = ([row(&dq[i]), row(&dq[i + 1])], [row(&ddq[i]), row(&ddq[i + 1])]);
         let velocity = row(velocity);
-        let places =
-            [Place::new(h, x, u, 0.25), Place::new(h, x, u, 0.5), Place::new(h, x, u, 0.75)];
+        let places = [
+            IntervalPlace::new(h, x, u, 0.25),
+            IntervalPlace::new(h, x, u, 0.5),
+            IntervalPlace::new(h, x, u, 0.75),
+        ];
         let (mut acceleration, mut square) = (simd.splat_f64s(0.0), simd.splat_f64s(0.0));
         for k in 0..velocity.len() {
             let ends = [dq[0][k], dq[1][k], ddq[0][k], ddq[1][k]];
@@ -513,7 +516,7 @@ impl<S: Simd> Nodes<'_, S> {
 }
 
 /// Place within an interval.
-struct Place {
+struct IntervalPlace {
     /// Weights of q' at both ends of the interval and of q'' at both ends, for q' (`value`) and q''
     /// (`slope`) at the place, by the cubic that matches all four.
     value: [f64; 4],
@@ -522,7 +525,7 @@ struct Place {
     u: f64,
 }
 
-impl Place {
+impl IntervalPlace {
     /// Creates the place at the share `t` of the interval's length.
     #[inline(always)]
     fn new(h: f64, x: f64, u: [f64; 2], t: f64) -> Self {
@@ -589,7 +592,7 @@ pub(crate) fn sweep_until_valid<S: Simd, const R: usize>(
     nodes: Nodes<'_, S>,
     bounds: &mut [Bounds<R>],
     start: f64,
-    samples: &mut [Sample],
+    samples: &mut [SweepNode],
 ) -> bool {
     const ROUNDS: usize = 30;
     let n = samples.len() - 1;

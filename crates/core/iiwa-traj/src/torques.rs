@@ -138,7 +138,7 @@ fn exerted(dynamics: &Dynamics, state: &State) -> Joints {
 
 /// Instants of a motion with their weights in an integral over time, in s.
 #[derive(Default)]
-struct Samples {
+struct WeightedInstants {
     t_s: Vec<f64>,
     weight_s: Vec<f64>,
     velocity: Vec<Joints>,
@@ -148,7 +148,7 @@ struct Samples {
     gravity: Vec<Joints>,
 }
 
-impl Samples {
+impl WeightedInstants {
     fn of(section: &Section, pieces: &[Piece], dynamics: &Dynamics) -> Self {
         let (mut samples, mut q, mut ddq) = (Self::default(), Vec::new(), Vec::new());
         let mut poses = Vec::new();
@@ -214,13 +214,13 @@ impl TorqueFigures {
         let limits = &section.path().robot().limits().torque_nm;
         for pieces in section.pieces().chunk_by(|a, b| a.motion == b.motion) {
             let motion = pieces[0].motion;
-            let samples = Samples::of(section, pieces, &section.path().dynamics(motion));
+            let samples = WeightedInstants::of(section, pieces, &section.path().dynamics(motion));
             self.add_work(&samples);
             self.motions.push(samples.largest(motion, limits));
         }
     }
 
-    fn add_work(&mut self, samples: &Samples) {
+    fn add_work(&mut self, samples: &WeightedInstants) {
         let moving = samples.torque.iter().zip(&samples.velocity);
         for ((torque, velocity), (t_s, weight_s)) in
             moving.zip(samples.t_s.iter().zip(&samples.weight_s))

@@ -14,7 +14,7 @@ use std::{
 
 /// Naming of temporary files or folders.
 #[derive(Clone, Copy, Debug)]
-pub struct Name {
+pub struct TemporaryName {
     /// Common prefix of the names.
     pub prefix: &'static str,
     /// Common suffix of the names.
@@ -23,7 +23,7 @@ pub struct Name {
     pub is_folder: bool,
 }
 
-impl Name {
+impl TemporaryName {
     /// Creates a temporary file or folder with `make`; no other process removes it as long as the
     /// lock is open. Removes leftovers with the same naming from the folder.
     ///
@@ -87,7 +87,8 @@ impl Name {
 mod tests {
     use super::*;
 
-    const NAME: Name = Name { prefix: ".part-of-a-test-", suffix: ".part", is_folder: false };
+    const NAME: TemporaryName =
+        TemporaryName { prefix: ".part-of-a-test-", suffix: ".part", is_folder: false };
 
     #[test]
     fn files_in_use_are_kept() {

@@ -9,7 +9,7 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use crate::{folder_of, interrupt, leftovers::Name};
+use crate::{folder_of, interrupt, leftovers::TemporaryName};
 
 /// Reason why a file could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -43,7 +43,8 @@ pub struct Output {
 }
 
 /// Naming of files under construction.
-const PART: Name = Name { prefix: ".iiwasim-", suffix: ".part", is_folder: false };
+const PART: TemporaryName =
+    TemporaryName { prefix: ".iiwasim-", suffix: ".part", is_folder: false };
 
 impl Output {
     /// Starts a file that will be at `path`.
@@ -97,9 +98,9 @@ impl Output {
     /// # Errors
     ///
     /// [`OutputError`] if the process cannot open another file.
-    pub fn stream(&self) -> Result<BufWriter<Stream>, OutputError> {
+    pub fn stream(&self) -> Result<BufWriter<OutputStream>, OutputError> {
         let file = self.file.as_file().try_clone().map_err(|error| self.failure(error))?;
-        Ok(BufWriter::new(Stream(file)))
+        Ok(BufWriter::new(OutputStream(file)))
     }
 
     /// Writes the whole content.
@@ -157,9 +158,9 @@ fn destination(path: &Path) -> PathBuf {
 
 /// Stream into the file that fails after an interrupt.
 #[derive(Debug)]
-pub struct Stream(File);
+pub struct OutputStream(File);
 
-impl Write for Stream {
+impl Write for OutputStream {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if interrupt::has_come() {
             return Err(io::Error::other("interrupted"));
@@ -172,7 +173,7 @@ impl Write for Stream {
     }
 }
 
-impl Seek for Stream {
+impl Seek for OutputStream {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.0.seek(to)
     }

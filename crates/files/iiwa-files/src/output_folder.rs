@@ -8,10 +8,11 @@ use std::{
 
 use tempfile::TempDir;
 
-use crate::{Output, OutputError, interrupt, leftovers::Name};
+use crate::{Output, OutputError, interrupt, leftovers::TemporaryName};
 
 /// Naming of folders under construction.
-const PART: Name = Name { prefix: ".iiwasim-", suffix: ".folder", is_folder: true };
+const PART: TemporaryName =
+    TemporaryName { prefix: ".iiwasim-", suffix: ".folder", is_folder: true };
 
 /// Writes all these files into a folder, by their paths relative to the folder.
 ///

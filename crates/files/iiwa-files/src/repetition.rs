@@ -13,11 +13,11 @@ const WINDOW: Duration = Duration::from_secs(10);
 
 /// Counts of lines by their source, such as a place in the program.
 #[derive(Debug)]
-pub struct Repetition<S>(HashMap<S, Lines>);
+pub struct Repetition<S>(HashMap<S, WindowLines>);
 
 /// Lines of one source within the current window.
 #[derive(Debug)]
-struct Lines {
+struct WindowLines {
     since: Instant,
     count: u64,
 }
@@ -32,11 +32,11 @@ impl<S: Eq + Hash> Repetition<S> {
     /// Counts a line. Returns true if the line is to be printed, and the number of lines suppressed
     /// in the window before.
     pub fn admit(&mut self, source: S, now: Instant) -> (bool, u64) {
-        let lines = self.0.entry(source).or_insert(Lines { since: now, count: 0 });
+        let lines = self.0.entry(source).or_insert(WindowLines { since: now, count: 0 });
         let mut suppressed = 0;
         if now.saturating_duration_since(lines.since) >= WINDOW {
             suppressed = lines.count.saturating_sub(MAX_LINES);
-            *lines = Lines { since: now, count: 0 };
+            *lines = WindowLines { since: now, count: 0 };
         }
         lines.count += 1;
         (lines.count <= MAX_LINES, suppressed)

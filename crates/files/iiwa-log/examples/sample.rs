@@ -9,7 +9,9 @@ use std::fs::{self, File};
 use std::io::{Cursor, Seek, Write};
 use std::time::{Duration, Instant};
 
-use iiwa_log::{Config, Frame, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer};
+use iiwa_log::{
+    Config, FramePose, MotionEntry, TrajectoryMessage, TrajectoryPoint, WriteError, Writer,
+};
 
 const TICK: Duration = Duration::from_millis(4);
 const TICKS: u32 = 2500;
@@ -88,7 +90,7 @@ fn write<W: Write + Seek>(stream: W) -> Result<W, WriteError> {
     for tick in 0..=TICKS {
         let t = TICK * tick;
         if tick % 500 == 0 && tick < TICKS {
-            let motion = Motion {
+            let motion = MotionEntry {
                 index: tick / 500 + 1,
                 kind: "line".into(),
                 limiting_joint: Some(2),
@@ -98,9 +100,9 @@ fn write<W: Write + Seek>(stream: W) -> Result<W, WriteError> {
         }
         let (q, dq) = state(t.as_secs_f64());
         writer.joint_state(t, &q, &dq, None)?;
-        let frames: [Frame<'_>; 9] = std::array::from_fn(|i| {
+        let frames: [FramePose<'_>; 9] = std::array::from_fn(|i| {
             let angle = if (1..=7).contains(&i) { q[i - 1] } else { 0.0 };
-            Frame {
+            FramePose {
                 parent: if i == 0 { "world" } else { &names[i - 1] },
                 child: &names[i],
                 translation_m: [0.0, 0.0, 0.2],

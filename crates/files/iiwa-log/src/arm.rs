@@ -7,7 +7,7 @@ use std::time::Duration;
 use iiwa_kin::{Joints, Pose, Robot, RosNames};
 
 use crate::recorded_robot::PROFILE;
-use crate::{Frame, WriteError, Writer};
+use crate::{FramePose, WriteError, Writer};
 
 /// Robot with the data that its messages need: URDF, link frames and flange pose as functions of
 /// the joint positions.
@@ -57,11 +57,11 @@ impl Arm {
     /// Frame of each link in the previous link, as in the URDF, for `/tf`: the shift and the twist
     /// of the previous joint, then the rotation of the joint.
     #[must_use]
-    pub fn links(&self, joints_rad: &Joints) -> [Frame<'_>; 8] {
+    pub fn links(&self, joints_rad: &Joints) -> [FramePose<'_>; 8] {
         std::array::from_fn(|link| {
             let FixedPart { d_m, half_twist: (sa, ca) } = self.links[link];
             let (st, ct) = joints_rad.get(link).map_or((0.0, 1.0), |theta| (0.5 * theta).sin_cos());
-            Frame {
+            FramePose {
                 parent: &self.names[link],
                 child: &self.names[link + 1],
                 translation_m: [0.0, 0.0, d_m],
@@ -72,9 +72,9 @@ impl Arm {
 
     /// Flange frame in the base frame, for `/tcp_pose` where the flange is the TCP.
     #[must_use]
-    pub fn flange(&self, joints_rad: &Joints) -> Frame<'_> {
+    pub fn flange(&self, joints_rad: &Joints) -> FramePose<'_> {
         let pose = self.robot.flange_pose(joints_rad);
-        Frame {
+        FramePose {
             parent: &self.names[0],
             child: &self.names[8],
             translation_m: pose.position_m,
@@ -95,7 +95,7 @@ impl Arm {
         joints_rad: &Joints,
     ) -> Result<(), WriteError> {
         writer.chain(t, &self.links(joints_rad))?;
-        let Frame { parent, translation_m, rotation_xyzw, .. } = self.flange(joints_rad);
+        let FramePose { parent, translation_m, rotation_xyzw, .. } = self.flange(joints_rad);
         writer.tcp_pose(t, parent, translation_m, rotation_xyzw)
     }
 

@@ -17,7 +17,7 @@ use crate::tail::Index;
 
 /// Writes records into a stream, in one pass.
 pub(crate) struct Container<W> {
-    sink: Sink<W>,
+    sink: ChecksumStream<W>,
     chunk: Chunk,
     chunk_bytes: usize,
     compressor: Compressor,
@@ -27,7 +27,8 @@ pub(crate) struct Container<W> {
 impl<W: Write> Container<W> {
     /// Begins a file in an empty stream.
     pub(crate) fn new(stream: W, library: String, chunk_bytes: usize) -> Result<Self, McapError> {
-        let mut sink = Sink { stream, offset: 0, crc: crc32fast::Hasher::new(), failed: false };
+        let mut sink =
+            ChecksumStream { stream, offset: 0, crc: crc32fast::Hasher::new(), failed: false };
         let mut start = MAGIC.to_vec();
         put_record(&mut start, op::HEADER, &Header { profile: "ros2".to_owned(), library })?;
         sink.write(&start)?;
@@ -138,14 +139,14 @@ impl<W: Write> Container<W> {
 }
 
 /// Stream with the length and the checksum of the written bytes.
-struct Sink<W> {
+struct ChecksumStream<W> {
     stream: W,
     offset: u64,
     crc: crc32fast::Hasher,
     failed: bool,
 }
 
-impl<W: Write> Sink<W> {
+impl<W: Write> ChecksumStream<W> {
     /// Writes all bytes. After an error, the file length is unknown and every further write fails.
     fn write(&mut self, bytes: &[u8]) -> Result<(), McapError> {
         if std::mem::replace(&mut self.failed, true) {

@@ -9,15 +9,15 @@ use serde::Serialize;
 
 use crate::error::WriteError;
 use crate::ros::{
-    DiagnosticArray, Header, JointState, Joints, MotionMessage, Names, PoseStamped, Text, Time,
-    TransformStamped,
+    DiagnosticArray, Header, JointArray, JointNames, JointState, MotionMessage, PoseStamped, Text,
+    Time, TransformStamped,
 };
 use crate::template::{Template, Word, stamp_word};
-use crate::{Diagnostic, Motion, Topic, cdr};
+use crate::{Diagnostic, MotionEntry, Topic, cdr};
 
 /// Pose of one coordinate frame in another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame<'a> {
+pub struct FramePose<'a> {
     /// Frame in which the pose is expressed.
     pub parent: &'a str,
     /// Frame whose pose is given.
@@ -120,10 +120,10 @@ impl Encoder {
         let template = up_to_date(template, topic, iter::empty, |buffer, stamp, value| {
             let message = JointState {
                 header: Header { stamp, frame_id: "".into() },
-                name: Names::Of(self.joint_stem.as_str().into()),
-                position: Joints::from([value; 7]),
-                velocity: Joints::from([value; 7]),
-                effort: torques.map_or(Joints::EMPTY, |_| Joints::from([value; 7])),
+                name: JointNames::Of(self.joint_stem.as_str().into()),
+                position: JointArray::from([value; 7]),
+                velocity: JointArray::from([value; 7]),
+                effort: torques.map_or(JointArray::EMPTY, |_| JointArray::from([value; 7])),
             };
             cdr::encode(buffer, &message)
         })?;
@@ -140,7 +140,11 @@ impl Encoder {
     /// # Errors
     ///
     /// See [`joint_state`](Self::joint_state).
-    pub fn transforms(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<&[u8], WriteError> {
+    pub fn transforms(
+        &mut self,
+        t: Duration,
+        frames: &[FramePose<'_>],
+    ) -> Result<&[u8], WriteError> {
         let topic = Topic::Tf;
         let stamp = self.stamp(topic, t)?;
         let names = || frames.iter().flat_map(|frame| [frame.parent, frame.child]);
@@ -152,7 +156,11 @@ impl Encoder {
 
     /// Encodes the poses of `frames` whose names never change: the names are not compared with
     /// those of the first call.
-    pub(crate) fn chain(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<&[u8], WriteError> {
+    pub(crate) fn chain(
+        &mut self,
+        t: Duration,
+        frames: &[FramePose<'_>],
+    ) -> Result<&[u8], WriteError> {
         let topic = Topic::Tf;
         let stamp = self.stamp(topic, t)?;
         let template = up_to_date(&mut self.chain, topic, iter::empty, |buffer, stamp, value| {
@@ -253,7 +261,7 @@ impl Encoder {
     ///
     /// [`WriteError::NoSuchJoint`] for a limiting joint other than 1 to 7, and the errors of
     /// [`joint_state`](Self::joint_state).
-    pub fn motion(&mut self, t: Duration, motion: &Motion<'_>) -> Result<&[u8], WriteError> {
+    pub fn motion(&mut self, t: Duration, motion: &MotionEntry<'_>) -> Result<&[u8], WriteError> {
         let topic = Topic::Motion;
         if let Some(joint) = motion.limiting_joint.filter(|joint| !(1..=7).contains(joint)) {
             return Err(WriteError::NoSuchJoint { joint, t });
@@ -302,10 +310,10 @@ impl Encoder {
 fn encode_transforms(
     buffer: &mut Vec<u8>,
     stamp: Time,
-    frames: &[Frame<'_>],
+    frames: &[FramePose<'_>],
     value: f64,
 ) -> Result<(), cdr_encoding::Error> {
-    let transform = |frame: &Frame<'_>| TransformStamped {
+    let transform = |frame: &FramePose<'_>| TransformStamped {
         header: Header { stamp, frame_id: frame.parent.to_owned().into() },
         child_frame_id: frame.child.to_owned().into(),
         translation: [value; 3],
@@ -315,7 +323,11 @@ fn encode_transforms(
 }
 
 /// Returns the stamps and doubles of a `tf2_msgs/msg/TFMessage`.
-fn transform_words<'a>(words: &'a mut Vec<Word>, stamp: Time, frames: &[Frame<'_>]) -> &'a [Word] {
+fn transform_words<'a>(
+    words: &'a mut Vec<Word>,
+    stamp: Time,
+    frames: &[FramePose<'_>],
+) -> &'a [Word] {
     words.clear();
     for frame in frames {
         words.push(stamp_word(stamp));
@@ -360,8 +372,8 @@ mod tests {
 
         let decoded: JointState<'_> = cdr::decode(&first).unwrap();
         assert_eq!(decoded.header.stamp, Time { sec: 8, nanosec: 500_000_000 });
-        assert_eq!(decoded.position, Joints::from([0.5; 7]));
-        assert_eq!(decoded.velocity, Joints::from([0.25; 7]));
+        assert_eq!(decoded.position, JointArray::from([0.5; 7]));
+        assert_eq!(decoded.velocity, JointArray::from([0.25; 7]));
     }
 
     #[test]
@@ -382,7 +394,7 @@ mod tests {
             let links = || chain.windows(2).enumerate();
 
             let frames: Vec<_> = links()
-                .map(|(k, pair)| Frame {
+                .map(|(k, pair)| FramePose {
                     parent: pair[0],
                     child: pair[1],
                     translation_m: [shifted(t, k); 3],
@@ -408,10 +420,10 @@ mod tests {
 
             let state = JointState {
                 header: header(""),
-                name: Names::Of(names.joint_stem().into()),
+                name: JointNames::Of(names.joint_stem().into()),
                 position: numbers.into(),
                 velocity: [-numbers[0]; 7].into(),
-                effort: Joints::EMPTY,
+                effort: JointArray::EMPTY,
             };
             let message = encoder.joint_state(t, &numbers, &[-numbers[0]; 7], None).unwrap();
             assert_eq!(message, encoded(&state));

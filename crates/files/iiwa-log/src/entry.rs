@@ -72,7 +72,7 @@ pub struct PoseSample {
 
 /// Path piece, written at its start time.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Motion<'a> {
+pub struct MotionEntry<'a> {
     /// Number of the motion in the program, from 1.
     pub index: u32,
     /// Kind: `line`, `lin`, `circ`, `spline`, `blend`, `settle` or `wait`.
@@ -90,7 +90,7 @@ pub struct MotionSample {
     /// Time since the epoch, s.
     pub t_s: f64,
     /// Piece that begins.
-    pub motion: Motion<'static>,
+    pub motion: MotionEntry<'static>,
 }
 
 /// File inside the recording.

@@ -20,7 +20,7 @@ use iiwa_kin::Robot;
 use serde::{Deserialize, Serialize};
 
 pub use error::JointLogError;
-pub use loss::{Loss, Place};
+pub use loss::{FilePlace, Loss};
 pub use options::{AngleUnit, LogOptions, Positions};
 
 use crate::RecordedRobotError;
@@ -99,7 +99,7 @@ pub struct JointLog {
     /// Clock of the stated cycle time.
     pub timed_by: CycleClock,
     /// Origin of the positions; `None` if they were not read.
-    pub source: Option<Source>,
+    pub source: Option<PositionSource>,
     /// Parts of the motion that the file lacks, in the order of time.
     pub losses: Vec<Loss>,
 }
@@ -136,7 +136,7 @@ impl CycleClock {
 /// Origin of joint positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
-pub enum Source {
+pub enum PositionSource {
     /// `/joint_states` of an MCAP file.
     Mcap,
     /// Table with a column per joint.
@@ -147,7 +147,7 @@ pub enum Source {
     Commanded,
 }
 
-impl fmt::Display for Source {
+impl fmt::Display for PositionSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Mcap => "/joint_states of an MCAP file",

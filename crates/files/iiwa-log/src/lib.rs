@@ -76,11 +76,12 @@ mod writer;
 
 pub use arm::Arm;
 pub use diagnostic::{Diagnostic, DiagnosticLevel};
-pub use encoder::{Encoder, Frame};
-pub use entry::{Attachment, Entry, JointSample, Motion, MotionSample, PoseSample};
+pub use encoder::{Encoder, FramePose};
+pub use entry::{Attachment, Entry, JointSample, MotionEntry, MotionSample, PoseSample};
 pub use error::{ReadError, WriteError};
 pub use joint_log::{
-    AngleUnit, CycleClock, JointLog, JointLogError, LogOptions, Loss, Place, Positions, Source,
+    AngleUnit, CycleClock, FilePlace, JointLog, JointLogError, LogOptions, Loss, PositionSource,
+    Positions,
 };
 pub use plan::{PlanConfig, PlanWriter, write_plan};
 pub use plan_record::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};

@@ -10,7 +10,7 @@ use iiwa_traj::{Section, State};
 
 use crate::arm::Arm;
 use crate::{
-    Config, Motion, TrajectoryMessage, TrajectoryPoint, WriteError, Writer, plan_metadata,
+    Config, MotionEntry, TrajectoryMessage, TrajectoryPoint, WriteError, Writer, plan_metadata,
 };
 
 /// Options of a plan file.
@@ -69,12 +69,12 @@ pub struct PlanWriter<W: Write> {
     part: TrajectoryMessage,
     part_start: Duration,
     /// End of the last section.
-    last: Option<Instant>,
+    last: Option<ArmInstant>,
 }
 
 /// State of the arm at one time.
 #[derive(Debug)]
-struct Instant {
+struct ArmInstant {
     state: State,
     /// Torques that the joints exert, in Nm.
     torque_nm: Joints,
@@ -82,7 +82,7 @@ struct Instant {
     tcp: Option<Pose>,
 }
 
-impl Instant {
+impl ArmInstant {
     fn of(section: &Section, t_s: f64) -> Self {
         let state = section.at(t_s);
         let path = section.path();
@@ -132,7 +132,7 @@ impl<W: Write> PlanWriter<W> {
             if let Some(piece) =
                 pieces.next_if(|piece| piece.start_s <= t_s || t_s >= section.end_s())
             {
-                let motion = Motion {
+                let motion = MotionEntry {
                     index: u32::try_from(piece.motion.number()).unwrap_or(u32::MAX),
                     kind: Cow::Borrowed(piece.kind.name()),
                     limiting_joint: piece
@@ -142,7 +142,7 @@ impl<W: Write> PlanWriter<W> {
                 };
                 self.writer.motion(duration(piece.start_s), &motion)?;
             } else if t_s < section.end_s() {
-                self.sample(&Instant::of(section, t_s))?;
+                self.sample(&ArmInstant::of(section, t_s))?;
                 self.ticks += 1;
             } else {
                 break;
@@ -153,7 +153,7 @@ impl<W: Write> PlanWriter<W> {
         for state in section.states() {
             self.node(&state)?;
         }
-        self.last = Some(Instant::of(section, section.end_s()));
+        self.last = Some(ArmInstant::of(section, section.end_s()));
         Ok(())
     }
 
@@ -179,8 +179,8 @@ impl<W: Write> PlanWriter<W> {
 
     /// Writes one instant on `/joint_states`, `/tf` and `/tcp_pose`; with a tool, on `/flange_pose`
     /// as well.
-    fn sample(&mut self, instant: &Instant) -> Result<(), WriteError> {
-        let Instant { state, torque_nm, tcp } = instant;
+    fn sample(&mut self, instant: &ArmInstant) -> Result<(), WriteError> {
+        let ArmInstant { state, torque_nm, tcp } = instant;
         let t = duration(state.t_s);
         self.writer.joint_state(t, &state.q, &state.dq, Some(torque_nm))?;
         match tcp {

@@ -16,10 +16,11 @@ use crate::compression::decompress;
 use crate::error::ReadError;
 use crate::record::RECORD_HEADER_BYTES;
 use crate::ros::{
-    JointState, JointTrajectory, Joints, MotionMessage, Names, PoseStamped, Text, Time,
+    JointArray, JointNames, JointState, JointTrajectory, MotionMessage, PoseStamped, Text, Time,
 };
 use crate::{
-    Attachment, Entry, JointSample, Motion, MotionSample, PoseSample, Topic, TrajectoryPoint, cdr,
+    Attachment, Entry, JointSample, MotionEntry, MotionSample, PoseSample, Topic, TrajectoryPoint,
+    cdr,
 };
 
 /// Maximum length of a record or chunk: 512 MiB, a trajectory of 2.6 million points. The bound
@@ -40,7 +41,7 @@ pub struct Reader<R> {
     stream: R,
     mcap: LinearReader,
     chunk: Chunk,
-    content: Content,
+    content: ReaderState,
     offset: u64,
     /// Last bytes read, up to twice the length of the magic bytes.
     end: Vec<u8>,
@@ -72,7 +73,7 @@ impl<R: Read> Reader<R> {
             stream,
             mcap: LinearReader::new_with_options(options),
             chunk: Chunk::default(),
-            content: Content::default(),
+            content: ReaderState::default(),
             offset: 0,
             end: Vec::new(),
             is_concatenated: false,
@@ -290,7 +291,7 @@ fn in_namespace(name: &str) -> Option<Topic> {
 
 /// State of the reader apart from the container.
 #[derive(Debug, Default)]
-struct Content {
+struct ReaderState {
     schemas: BTreeMap<u16, (String, String)>,
     channels: BTreeMap<u16, Option<Topic>>,
     /// Topics to read; all if `None`.
@@ -302,7 +303,7 @@ struct Content {
     messages: u64,
 }
 
-impl Content {
+impl ReaderState {
     fn broken(&self, offset: u64, source: McapError) -> ReadError {
         let messages = self.messages;
         match source {
@@ -349,7 +350,8 @@ impl Content {
                 })?;
                 self.messages += 1;
                 let Some(topic) = topic else { return Ok(None) };
-                let body = Body { topic, epoch_ns, log_ns: header.log_time, bytes: &data };
+                let body =
+                    EncodedMessage { topic, epoch_ns, log_ns: header.log_time, bytes: &data };
                 self.message(&body)
             }
             Some(Record::Attachment { header, data, .. }) => {
@@ -381,7 +383,7 @@ impl Content {
         Err(ReadError::WrongType { topic, expected: show(expected), found: show(found) })
     }
 
-    fn message(&mut self, body: &Body<'_>) -> Result<Option<Entry>, ReadError> {
+    fn message(&mut self, body: &EncodedMessage<'_>) -> Result<Option<Entry>, ReadError> {
         Ok(Some(match body.topic {
             Topic::Tf | Topic::Diagnostics => return Ok(None),
             Topic::JointStates => Entry::JointState(body.joint_state()?),
@@ -413,14 +415,14 @@ impl Content {
 }
 
 /// A message of a known topic, still encoded.
-struct Body<'a> {
+struct EncodedMessage<'a> {
     topic: Topic,
     epoch_ns: u64,
     log_ns: u64,
     bytes: &'a [u8],
 }
 
-impl<'a> Body<'a> {
+impl<'a> EncodedMessage<'a> {
     fn decode<T: Deserialize<'a>>(&self) -> Result<T, ReadError> {
         cdr::decode(self.bytes).map_err(|what| self.error(what))
     }
@@ -454,7 +456,7 @@ impl<'a> Body<'a> {
         };
         Ok(MotionSample {
             t_s: self.stamp_s(message.header.stamp)?,
-            motion: Motion {
+            motion: MotionEntry {
                 index: message.index,
                 kind: Cow::Owned(message.kind.into_owned()),
                 limiting_joint,
@@ -482,18 +484,18 @@ impl<'a> Body<'a> {
         })
     }
 
-    fn check_names(&self, field: &'static str, names: Names<'_>) -> Result<(), ReadError> {
+    fn check_names(&self, field: &'static str, names: JointNames<'_>) -> Result<(), ReadError> {
         let (topic, t_s) = (self.topic, self.t_s());
         match names {
-            Names::Of(_) => Ok(()),
-            Names::Other { index, expected, found } => {
+            JointNames::Of(_) => Ok(()),
+            JointNames::Other { index, expected, found } => {
                 Err(ReadError::JointName { topic, t_s, index: index + 1, expected, found })
             }
-            Names::Count(found) => Err(ReadError::JointCount { topic, t_s, field, found }),
+            JointNames::Count(found) => Err(ReadError::JointCount { topic, t_s, field, found }),
         }
     }
 
-    fn seven(&self, field: &'static str, joints: &Joints) -> Result<[f64; 7], ReadError> {
+    fn seven(&self, field: &'static str, joints: &JointArray) -> Result<[f64; 7], ReadError> {
         joints.seven().ok_or(ReadError::JointCount {
             topic: self.topic,
             t_s: self.t_s(),

@@ -87,7 +87,7 @@ pub struct Recorder<S: Storage> {
     arm: Arm,
     config: RecorderConfig,
     /// Sample before the last one.
-    previous: Option<Sample>,
+    previous: Option<RecorderSample>,
     last: Option<Last>,
     /// Interval of the pose rate whose pose is written.
     posed: Option<u128>,
@@ -96,7 +96,7 @@ pub struct Recorder<S: Storage> {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Sample {
+struct RecorderSample {
     t: Duration,
     q: Joints,
     torques_nm: Option<Joints>,
@@ -104,7 +104,7 @@ struct Sample {
 
 #[derive(Clone, Copy, Debug)]
 struct Last {
-    sample: Sample,
+    sample: RecorderSample,
     /// `true` if the sample is written; usually it waits for the next one, which its velocity
     /// depends on.
     written: bool,
@@ -193,7 +193,7 @@ impl<S: Storage> Recorder<S> {
         torques_nm: Option<&Joints>,
     ) -> Result<(), WriteError> {
         self.writer.stamp(Topic::JointStates, t)?;
-        let next = Sample { t, q: *joints_rad, torques_nm: torques_nm.copied() };
+        let next = RecorderSample { t, q: *joints_rad, torques_nm: torques_nm.copied() };
         if let Some(Last { sample, written }) = self.last {
             if t <= sample.t {
                 let topic = Topic::JointStates;
@@ -270,7 +270,7 @@ impl<S: Storage> Recorder<S> {
     }
 
     /// Writes a sample, with the poses if their interval has begun.
-    fn write(&mut self, sample: &Sample, velocity: &Joints) -> Result<(), WriteError> {
+    fn write(&mut self, sample: &RecorderSample, velocity: &Joints) -> Result<(), WriteError> {
         self.writer.joint_state(sample.t, &sample.q, velocity, sample.torques_nm.as_ref())?;
         let interval = sample.t.as_nanos() * u128::from(self.config.pose_rate_hz) / 1_000_000_000;
         if self.config.pose_rate_hz > 0 && self.posed != Some(interval) {
@@ -306,9 +306,14 @@ fn end_chunk(writer: &mut Writer<Vec<u8>>) -> Result<(), WriteError> {
 
 /// Slope at `at` of the parabola through the three samples, rad/s: of the straight line through two
 /// samples, and zero for one sample.
-fn slope(before: Option<&Sample>, at: &Sample, after: Option<&Sample>) -> Joints {
-    let span = |from: &Sample, to: &Sample| to.t.saturating_sub(from.t).as_secs_f64();
-    let line = |from: &Sample, to: &Sample| -> Joints {
+fn slope(
+    before: Option<&RecorderSample>,
+    at: &RecorderSample,
+    after: Option<&RecorderSample>,
+) -> Joints {
+    let span =
+        |from: &RecorderSample, to: &RecorderSample| to.t.saturating_sub(from.t).as_secs_f64();
+    let line = |from: &RecorderSample, to: &RecorderSample| -> Joints {
         std::array::from_fn(|joint| (to.q[joint] - from.q[joint]) / span(from, to))
     };
     match (before, after) {

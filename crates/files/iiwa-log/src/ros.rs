@@ -47,10 +47,10 @@ pub(crate) struct Text<'a> {
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct JointState<'a> {
     pub(crate) header: Header<'a>,
-    pub(crate) name: Names<'a>,
-    pub(crate) position: Joints,
-    pub(crate) velocity: Joints,
-    pub(crate) effort: Joints,
+    pub(crate) name: JointNames<'a>,
+    pub(crate) position: JointArray,
+    pub(crate) velocity: JointArray,
+    pub(crate) effort: JointArray,
 }
 
 /// `geometry_msgs/msg/PoseStamped`. Vectors and quaternions are sequences of doubles on the wire.
@@ -74,17 +74,17 @@ pub(crate) struct TransformStamped<'a> {
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct JointTrajectory<'a> {
     pub(crate) header: Header<'a>,
-    pub(crate) joint_names: Names<'a>,
+    pub(crate) joint_names: JointNames<'a>,
     pub(crate) points: Vec<JointTrajectoryPoint>,
 }
 
 /// `trajectory_msgs/msg/JointTrajectoryPoint`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct JointTrajectoryPoint {
-    pub(crate) positions: Joints,
-    pub(crate) velocities: Joints,
-    pub(crate) accelerations: Joints,
-    pub(crate) effort: Joints,
+    pub(crate) positions: JointArray,
+    pub(crate) velocities: JointArray,
+    pub(crate) accelerations: JointArray,
+    pub(crate) effort: JointArray,
     pub(crate) time_from_start: Time,
 }
 
@@ -107,12 +107,12 @@ pub(crate) struct MotionMessage<'a> {
 
 /// `float64[]` with one value per joint. Keeps the length that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Joints {
+pub(crate) struct JointArray {
     pub(crate) len: usize,
     values: [f64; 7],
 }
 
-impl Joints {
+impl JointArray {
     pub(crate) const EMPTY: Self = Self { len: 0, values: [0.0; 7] };
 
     pub(crate) fn seven(&self) -> Option<[f64; 7]> {
@@ -120,31 +120,31 @@ impl Joints {
     }
 }
 
-impl From<[f64; 7]> for Joints {
+impl From<[f64; 7]> for JointArray {
     fn from(values: [f64; 7]) -> Self {
         Self { len: values.len(), values }
     }
 }
 
-impl Serialize for Joints {
+impl Serialize for JointArray {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.values[..self.len.min(self.values.len())].serialize(serializer)
     }
 }
 
-impl<'de> Deserialize<'de> for Joints {
+impl<'de> Deserialize<'de> for JointArray {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Values;
+        struct ValuesVisitor;
 
-        impl<'de> Visitor<'de> for Values {
-            type Value = Joints;
+        impl<'de> Visitor<'de> for ValuesVisitor {
+            type Value = JointArray;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a sequence of doubles")
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Joints, A::Error> {
-                let mut joints = Joints::EMPTY;
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<JointArray, A::Error> {
+                let mut joints = JointArray::EMPTY;
                 while let Some(value) = seq.next_element()? {
                     if let Some(slot) = joints.values.get_mut(joints.len) {
                         *slot = value;
@@ -155,7 +155,7 @@ impl<'de> Deserialize<'de> for Joints {
             }
         }
 
-        deserializer.deserialize_seq(Values)
+        deserializer.deserialize_seq(ValuesVisitor)
     }
 }
 
@@ -168,7 +168,7 @@ const NUMBERS: [&str; 7] = ["1", "2", "3", "4", "5", "6", "7"];
 /// `string[]` with the seven joint names: the same stem with the numbers 1 to 7. Keeps the first
 /// difference that was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Names<'a> {
+pub(crate) enum JointNames<'a> {
     /// Seven names with this stem, in order.
     Of(Cow<'a, str>),
     /// The name at `index` differs.
@@ -177,7 +177,7 @@ pub(crate) enum Names<'a> {
     Count(usize),
 }
 
-impl Serialize for Names<'_> {
+impl Serialize for JointNames<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Of(stem) => {
@@ -190,12 +190,12 @@ impl Serialize for Names<'_> {
     }
 }
 
-impl<'de> Deserialize<'de> for Names<'_> {
+impl<'de> Deserialize<'de> for JointNames<'_> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct List;
+        struct ListVisitor;
 
-        impl<'de> Visitor<'de> for List {
-            type Value = Names<'static>;
+        impl<'de> Visitor<'de> for ListVisitor {
+            type Value = JointNames<'static>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a sequence of joint names")
@@ -206,39 +206,39 @@ impl<'de> Deserialize<'de> for Names<'_> {
                 let mut other = None;
                 let mut count = 0;
                 while let Some(differing) =
-                    seq.next_element_seed(Name { index: count, stem: &mut stem })?
+                    seq.next_element_seed(JointNameReader { index: count, stem: &mut stem })?
                 {
                     other = other.or(differing);
                     count += 1;
                 }
                 Ok(match other {
                     Some(other) => other,
-                    None if count == NUMBERS.len() => Names::Of(stem),
-                    None => Names::Count(count),
+                    None if count == NUMBERS.len() => JointNames::Of(stem),
+                    None => JointNames::Count(count),
                 })
             }
         }
 
-        deserializer.deserialize_seq(List)
+        deserializer.deserialize_seq(ListVisitor)
     }
 }
 
 /// Reads one name and compares it with the expected one. The first name determines the stem.
-struct Name<'a> {
+struct JointNameReader<'a> {
     index: usize,
     stem: &'a mut Cow<'static, str>,
 }
 
-impl<'de> DeserializeSeed<'de> for Name<'_> {
-    type Value = Option<Names<'static>>;
+impl<'de> DeserializeSeed<'de> for JointNameReader<'_> {
+    type Value = Option<JointNames<'static>>;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
         deserializer.deserialize_str(self)
     }
 }
 
-impl Visitor<'_> for Name<'_> {
-    type Value = Option<Names<'static>>;
+impl Visitor<'_> for JointNameReader<'_> {
+    type Value = Option<JointNames<'static>>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a joint name")
@@ -256,7 +256,7 @@ impl Visitor<'_> for Name<'_> {
             return Ok(None);
         }
         let expected = format!("{stem}{number}");
-        Ok(Some(Names::Other { index, expected, found: name.to_owned() }))
+        Ok(Some(JointNames::Other { index, expected, found: name.to_owned() }))
     }
 }
 

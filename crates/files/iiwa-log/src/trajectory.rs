@@ -4,7 +4,9 @@ use std::iter::{self, zip};
 use std::time::Duration;
 
 use crate::error::WriteError;
-use crate::ros::{Header, JointTrajectory, JointTrajectoryPoint, Joints, Names, Time, USUAL_STEM};
+use crate::ros::{
+    Header, JointArray, JointNames, JointTrajectory, JointTrajectoryPoint, Time, USUAL_STEM,
+};
 use crate::template::{Template, stamp_word};
 use crate::{Topic, cdr};
 
@@ -54,10 +56,10 @@ impl TrajectoryMessage {
         // So the word before it (the count, or nanoseconds) is encoded with the point.
         let point = Template::new(iter::empty(), |buffer, time_from_start, value| {
             let point = JointTrajectoryPoint {
-                positions: Joints::from([value; 7]),
-                velocities: Joints::from([value; 7]),
-                accelerations: Joints::from([value; 7]),
-                effort: Joints::EMPTY,
+                positions: JointArray::from([value; 7]),
+                velocities: JointArray::from([value; 7]),
+                accelerations: JointArray::from([value; 7]),
+                effort: JointArray::EMPTY,
                 time_from_start,
             };
             cdr::append(buffer, &(0_u32, point))
@@ -162,7 +164,7 @@ fn head(stamp: Time, joint_stem: &str, count: u32) -> Result<Vec<u8>, WriteError
     let mut bytes = Vec::new();
     let empty = JointTrajectory {
         header: Header { stamp, frame_id: "".into() },
-        joint_names: Names::Of(joint_stem.into()),
+        joint_names: JointNames::Of(joint_stem.into()),
         points: Vec::new(),
     };
     cdr::encode(&mut bytes, &empty)
@@ -195,7 +197,7 @@ mod tests {
                 positions: point.positions.into(),
                 velocities: point.velocities.into(),
                 accelerations: point.accelerations.into(),
-                effort: Joints::EMPTY,
+                effort: JointArray::EMPTY,
                 time_from_start: Time::from_duration(point.time_from_start).unwrap(),
             });
         }
@@ -208,7 +210,7 @@ mod tests {
             {
                 let whole = JointTrajectory {
                     header: Header { stamp, frame_id: "".into() },
-                    joint_names: Names::Of(stem.into()),
+                    joint_names: JointNames::Of(stem.into()),
                     points,
                 };
                 let mut expected = Vec::new();

@@ -12,7 +12,7 @@ use crate::container::Container;
 use crate::error::WriteError;
 use crate::ros::Time;
 use crate::tail::Index;
-use crate::{Diagnostic, Encoder, Frame, Motion, Topic, TrajectoryMessage};
+use crate::{Diagnostic, Encoder, FramePose, MotionEntry, Topic, TrajectoryMessage};
 
 /// 2020-01-01T00:00:00Z as the time since 1970-01-01T00:00:00Z (Unix time 1 577 836 800 s).
 ///
@@ -69,12 +69,12 @@ struct File<W: Write> {
     container: Container<W>,
     epoch: Duration,
     epoch_ns: u64,
-    channels: [Channel; Topic::ALL.len()],
+    channels: [TopicState; Topic::ALL.len()],
 }
 
 /// State of a topic.
 #[derive(Clone, Copy, Debug, Default)]
-struct Channel {
+struct TopicState {
     open: bool,
     sequence: u32,
     last: Option<Duration>,
@@ -102,7 +102,7 @@ impl<W: Write> Writer<W> {
         let epoch_ns =
             u64::try_from(epoch.as_nanos()).map_err(|_| WriteError::EpochOutOfRange { epoch })?;
         let container = Container::new(stream, library, chunk_bytes)?;
-        let channels = [Channel::default(); Topic::ALL.len()];
+        let channels = [TopicState::default(); Topic::ALL.len()];
         Ok(Self { encoder, file: File { container, epoch, epoch_ns, channels } })
     }
 
@@ -137,12 +137,16 @@ impl<W: Write> Writer<W> {
     /// # Errors
     ///
     /// See [`joint_state`](Self::joint_state).
-    pub fn transforms(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<(), WriteError> {
+    pub fn transforms(&mut self, t: Duration, frames: &[FramePose<'_>]) -> Result<(), WriteError> {
         self.file.write(Topic::Tf, t, self.encoder.transforms(t, frames)?)
     }
 
     /// Writes the poses of `frames`, which have the same names as in the first call.
-    pub(crate) fn chain(&mut self, t: Duration, frames: &[Frame<'_>]) -> Result<(), WriteError> {
+    pub(crate) fn chain(
+        &mut self,
+        t: Duration,
+        frames: &[FramePose<'_>],
+    ) -> Result<(), WriteError> {
         self.file.write(Topic::Tf, t, self.encoder.chain(t, frames)?)
     }
 
@@ -212,7 +216,7 @@ impl<W: Write> Writer<W> {
     ///
     /// [`WriteError::NoSuchJoint`] for a limiting joint other than 1 to 7, and the errors of
     /// [`joint_state`](Self::joint_state).
-    pub fn motion(&mut self, t: Duration, motion: &Motion<'_>) -> Result<(), WriteError> {
+    pub fn motion(&mut self, t: Duration, motion: &MotionEntry<'_>) -> Result<(), WriteError> {
         self.file.write(Topic::Motion, t, self.encoder.motion(t, motion)?)
     }
 
@@ -316,7 +320,7 @@ impl<W: Write> File<W> {
         }
         let sequence = channel.sequence;
         self.channels[place] =
-            Channel { open: true, sequence: sequence.wrapping_add(1), last: Some(t) };
+            TopicState { open: true, sequence: sequence.wrapping_add(1), last: Some(t) };
         Ok((chunk, sequence, time))
     }
 }

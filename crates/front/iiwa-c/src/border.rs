@@ -10,7 +10,7 @@ use std::{
 
 use iiwa_program::MotionIndex;
 
-use crate::failure::{Failure, FailureKind};
+use crate::failure::{CallFailure, FailureKind};
 
 /// Status of a call.
 #[repr(C)]
@@ -66,7 +66,7 @@ struct LastError {
 }
 
 impl LastError {
-    fn new(failure: Option<&Failure>) -> Self {
+    fn new(failure: Option<&CallFailure>) -> Self {
         let number = |n: Option<usize>| n.and_then(|n| u32::try_from(n).ok()).unwrap_or_default();
         let place = failure.and_then(|failure| failure.place);
         let text = failure.map_or("", |failure| &failure.message).replace('\0', "\u{fffd}");
@@ -90,7 +90,7 @@ thread_local! {
 }
 
 /// Runs a function, stores the reason for its failure, and catches panics.
-pub(crate) fn call(work: impl FnOnce() -> Result<(), Failure>) -> IiwasimStatus {
+pub(crate) fn call(work: impl FnOnce() -> Result<(), CallFailure>) -> IiwasimStatus {
     let failure = caught(work).err();
     let last = LastError::new(failure.as_ref());
     let status = last.error.status;
@@ -100,14 +100,14 @@ pub(crate) fn call(work: impl FnOnce() -> Result<(), Failure>) -> IiwasimStatus 
 }
 
 /// Returns the result, or converts a panic to a failure.
-pub(crate) fn caught<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+pub(crate) fn caught<T>(work: impl FnOnce() -> Result<T, CallFailure>) -> Result<T, CallFailure> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let message = panic
             .downcast_ref::<String>()
             .map(String::as_str)
             .or_else(|| panic.downcast_ref::<&str>().copied())
             .unwrap_or("for no stated reason");
-        Err(Failure::new(
+        Err(CallFailure::new(
             FailureKind::Internal,
             format!("the library failed; please report it, with the program: {message}"),
         ))
@@ -115,8 +115,8 @@ pub(crate) fn caught<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, 
 }
 
 /// Returns an argument that must not be NULL.
-pub(crate) fn required<T>(argument: Option<T>, name: &str) -> Result<T, Failure> {
-    argument.ok_or_else(|| Failure::argument(format!("{name} is NULL")))
+pub(crate) fn required<T>(argument: Option<T>, name: &str) -> Result<T, CallFailure> {
+    argument.ok_or_else(|| CallFailure::argument(format!("{name} is NULL")))
 }
 
 /// Writes the reason for the failure of the last call of this thread to `*error`. Its message is

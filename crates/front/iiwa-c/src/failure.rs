@@ -21,7 +21,7 @@ pub(crate) enum FailureKind {
 
 /// Reason for a failed call, with its place in the program's text if known.
 #[derive(Clone, Debug)]
-pub(crate) struct Failure {
+pub(crate) struct CallFailure {
     pub(crate) kind: FailureKind,
     pub(crate) message: String,
     /// Line and column, from 1.
@@ -29,7 +29,7 @@ pub(crate) struct Failure {
     pub(crate) motion: Option<MotionIndex>,
 }
 
-impl Failure {
+impl CallFailure {
     pub(crate) fn new(kind: FailureKind, message: impl Into<String>) -> Self {
         Self { kind, message: message.into(), place: None, motion: None }
     }
@@ -47,7 +47,7 @@ impl Failure {
 }
 
 /// Failure of a program that cannot be read or planned.
-impl From<Error> for Failure {
+impl From<Error> for CallFailure {
     fn from(error: Error) -> Self {
         let kind = match &error {
             Error::File { .. } => FailureKind::File,

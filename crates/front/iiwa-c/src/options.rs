@@ -6,7 +6,7 @@ use iiwa_kin::Robot;
 
 use crate::{
     border::{IiwasimStatus, call, required},
-    failure::Failure,
+    failure::CallFailure,
     planned::{Choices, ChosenTiming},
     pointers,
 };
@@ -67,7 +67,7 @@ impl IiwasimOptions {
     /// # Safety
     ///
     /// `robot` is NULL or a string that ends with a NUL.
-    pub(crate) unsafe fn read(&self) -> Result<(Option<Robot>, Choices), Failure> {
+    pub(crate) unsafe fn read(&self) -> Result<(Option<Robot>, Choices), CallFailure> {
         // SAFETY: the caller gives the same guarantee.
         let robot = unsafe { pointers::optional_text(self.robot, "options->robot") }?;
         let timing = match self.timing {
@@ -79,7 +79,7 @@ impl IiwasimOptions {
                     "options->timing is {other}; it must be 0 (jerk), 1 (acceleration) or 2 \
                      (sunrise)"
                 );
-                return Err(Failure::argument(message));
+                return Err(CallFailure::argument(message));
             }
         };
         let percent = self.limit_torque_percent;
@@ -90,14 +90,14 @@ impl IiwasimOptions {
 }
 
 /// Returns the built-in robot of this name, or the robot of this profile.
-fn robot_of(name_or_profile: &str) -> Result<Robot, Failure> {
+fn robot_of(name_or_profile: &str) -> Result<Robot, CallFailure> {
     if name_or_profile.trim_start().starts_with('{') {
-        return Robot::from_profile(name_or_profile).map_err(|error| Failure::profile(&error));
+        return Robot::from_profile(name_or_profile).map_err(|error| CallFailure::profile(&error));
     }
     Robot::built_in(name_or_profile).ok_or_else(|| {
         let built_in = Robot::BUILT_IN.join(" and ");
         let name = iiwa_json::excerpt(name_or_profile);
-        Failure::argument(format!(
+        CallFailure::argument(format!(
             "no robot is called `{name}`: {built_in} are built in, and a profile is given as its \
              JSON text"
         ))

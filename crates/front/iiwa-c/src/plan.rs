@@ -4,9 +4,9 @@ use std::{ffi::c_char, mem::MaybeUninit, ptr};
 
 use crate::{
     border::{IiwasimStatus, call, required},
-    failure::Failure,
+    failure::CallFailure,
     options::IiwasimOptions,
-    planned::{Choices, Planned},
+    planned::{Choices, PlannedProgram},
     pointers,
     program::IiwasimProgram,
     state::IiwasimState,
@@ -16,7 +16,7 @@ use crate::{
 /// Plan of a program. It is immutable, and may be used by several threads at once.
 #[derive(Debug)]
 pub struct IiwasimPlan {
-    pub(crate) planned: Planned,
+    pub(crate) planned: PlannedProgram,
 }
 
 /// Maximum number of samples at once: a gigabyte.
@@ -42,7 +42,7 @@ pub unsafe extern "C" fn iiwasim_plan(
             // SAFETY: the caller gives the same guarantee.
             Some(options) => unsafe { options.read() }?,
         };
-        let planned = Planned::new(&program.source, robot, choices)?;
+        let planned = PlannedProgram::new(&program.source, robot, choices)?;
         *place = Box::into_raw(Box::new(IiwasimPlan { planned }));
         Ok(())
     })
@@ -80,7 +80,7 @@ pub extern "C" fn iiwasim_plan_at(
         let planned = &required(plan, "plan")?.planned;
         let place = required(state, "state")?;
         if t_s.is_nan() {
-            return Err(Failure::argument("t_s is not a number"));
+            return Err(CallFailure::argument("t_s is not a number"));
         }
         place.write(IiwasimState::of(planned, &planned.trajectory().at(t_s)));
         Ok(())
@@ -110,7 +110,7 @@ pub unsafe extern "C" fn iiwasim_plan_sample(
         let count_place = required(count, "count")?;
         let samples = rate_hz * planned.trajectory().cycle_time_s();
         if !(rate_hz > 0.0 && samples <= MAX_SAMPLES) {
-            return Err(Failure::argument(format!(
+            return Err(CallFailure::argument(format!(
                 "rate_hz is {rate_hz}; it must be above 0, and give at most {MAX_SAMPLES} samples"
             )));
         }
@@ -125,7 +125,7 @@ pub unsafe extern "C" fn iiwasim_plan_sample(
         }
         count_place.write(count);
         if count > capacity && !states.is_null() {
-            return Err(Failure::argument(format!(
+            return Err(CallFailure::argument(format!(
                 "there are {count} samples, and room for {capacity}"
             )));
         }

@@ -6,7 +6,7 @@ use iiwa_program::Fault;
 use iiwa_traj::{JerkOptions, PlanError, State, SweepOptions, Timing, Trajectory};
 use serde::{Deserialize, Serialize};
 
-use crate::failure::{Failure, FailureKind};
+use crate::failure::{CallFailure, FailureKind};
 
 /// Planning options.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,11 +38,11 @@ impl Default for Choices {
 
 impl Choices {
     /// Converts the options for the planner.
-    fn plan_options(&self) -> Result<PlanOptions, Failure> {
+    fn plan_options(&self) -> Result<PlanOptions, CallFailure> {
         if !(2..=100_000).contains(&self.samples) {
             let samples = self.samples;
             let message = format!("{samples} samples per blend; it must be from 2 to 100000");
-            return Err(Failure::argument(message));
+            return Err(CallFailure::argument(message));
         }
         let timing = match self.timing {
             ChosenTiming::Jerk => Timing::jerk_limited(),
@@ -57,7 +57,7 @@ impl Choices {
 
 /// Program and its plan.
 #[derive(Debug)]
-pub(crate) struct Planned {
+pub(crate) struct PlannedProgram {
     /// Complete text of the program.
     pub(crate) program: String,
     pub(crate) choices: Choices,
@@ -72,13 +72,13 @@ struct FiguresJson<'a> {
     warnings: Vec<String>,
 }
 
-impl Planned {
+impl PlannedProgram {
     /// Plans a program for `robot`, or for the robot that the program names.
     pub(crate) fn new(
         source: &ProgramSource,
         robot: Option<Robot>,
         choices: Choices,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, CallFailure> {
         let request = PlanRequest {
             robot,
             torque_limit_rel: choices.limit_torque_percent.map(|percent| percent / 100.0),
@@ -90,7 +90,7 @@ impl Planned {
             Error::Plan { error: plan, message, .. }
                 if choices.limit_torque_percent.is_some() && is_torque_limit(plan) =>
             {
-                Failure::argument(message.clone())
+                CallFailure::argument(message.clone())
             }
             _ => error.into(),
         })?;
@@ -106,7 +106,7 @@ impl Planned {
     }
 
     /// Figures as a JSON object, with the warnings.
-    pub(crate) fn figures_json(&self) -> Result<String, Failure> {
+    pub(crate) fn figures_json(&self) -> Result<String, CallFailure> {
         let figures = self.plan.figures();
         let warnings = self.plan.warnings(&figures);
         to_json(&FiguresJson { figures: &figures, warnings })
@@ -123,7 +123,7 @@ fn is_torque_limit(error: &PlanError) -> bool {
 }
 
 /// Converts a value to JSON.
-pub(crate) fn to_json(value: &impl Serialize) -> Result<String, Failure> {
+pub(crate) fn to_json(value: &impl Serialize) -> Result<String, CallFailure> {
     serde_json::to_string(value)
-        .map_err(|error| Failure::new(FailureKind::Internal, error.to_string()))
+        .map_err(|error| CallFailure::new(FailureKind::Internal, error.to_string()))
 }

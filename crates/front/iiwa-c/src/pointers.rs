@@ -6,17 +6,17 @@ use std::{
     slice,
 };
 
-use crate::failure::Failure;
+use crate::failure::CallFailure;
 
 /// Converts a mandatory text; `name` names it in errors.
 ///
 /// # Safety
 ///
 /// `text` is NULL or a string that ends with a NUL and does not change during `'a`.
-pub(crate) unsafe fn text<'a>(text: *const c_char, name: &str) -> Result<&'a str, Failure> {
+pub(crate) unsafe fn text<'a>(text: *const c_char, name: &str) -> Result<&'a str, CallFailure> {
     // SAFETY: the caller gives the same guarantee.
     unsafe { optional_text(text, name) }?
-        .ok_or_else(|| Failure::argument(format!("{name} is NULL")))
+        .ok_or_else(|| CallFailure::argument(format!("{name} is NULL")))
 }
 
 /// Converts a text that may be NULL.
@@ -27,7 +27,7 @@ pub(crate) unsafe fn text<'a>(text: *const c_char, name: &str) -> Result<&'a str
 pub(crate) unsafe fn optional_text<'a>(
     text: *const c_char,
     name: &str,
-) -> Result<Option<&'a str>, Failure> {
+) -> Result<Option<&'a str>, CallFailure> {
     if text.is_null() {
         return Ok(None);
     }
@@ -35,7 +35,7 @@ pub(crate) unsafe fn optional_text<'a>(
     let text = unsafe { CStr::from_ptr(text) };
     match text.to_str() {
         Ok(text) => Ok(Some(text)),
-        Err(error) => Err(Failure::argument(format!("{name} is not UTF-8 text: {error}"))),
+        Err(error) => Err(CallFailure::argument(format!("{name} is not UTF-8 text: {error}"))),
     }
 }
 
@@ -48,10 +48,10 @@ pub(crate) unsafe fn values<'a, T>(
     values: *const T,
     count: usize,
     name: &str,
-) -> Result<&'a [T], Failure> {
+) -> Result<&'a [T], CallFailure> {
     match (values.is_null(), count) {
         (_, 0) => Ok(&[]),
-        (true, _) => Err(Failure::argument(format!("{name} is NULL"))),
+        (true, _) => Err(CallFailure::argument(format!("{name} is NULL"))),
         // SAFETY: `values` is not NULL, and the caller guarantees the rest.
         (false, _) => Ok(unsafe { slice::from_raw_parts(values, count) }),
     }
@@ -67,10 +67,10 @@ pub(crate) unsafe fn places<'a, T>(
     places: *mut T,
     count: usize,
     name: &str,
-) -> Result<&'a mut [MaybeUninit<T>], Failure> {
+) -> Result<&'a mut [MaybeUninit<T>], CallFailure> {
     match (places.is_null(), count) {
         (_, 0) => Ok(&mut []),
-        (true, _) => Err(Failure::argument(format!("{name} is NULL"))),
+        (true, _) => Err(CallFailure::argument(format!("{name} is NULL"))),
         // SAFETY: `places` is not NULL, and the caller guarantees the rest; any bytes are a valid
         // `MaybeUninit`.
         (false, _) => Ok(unsafe { slice::from_raw_parts_mut(places.cast(), count) }),

@@ -2,7 +2,7 @@
 
 use iiwa_traj::State;
 
-use crate::planned::Planned;
+use crate::planned::PlannedProgram;
 
 /// State of the arm at one instant.
 #[repr(C)]
@@ -26,7 +26,7 @@ pub struct IiwasimState {
 }
 
 impl IiwasimState {
-    pub(crate) fn of(planned: &Planned, state: &State) -> Self {
+    pub(crate) fn of(planned: &PlannedProgram, state: &State) -> Self {
         let tcp = planned.tcp(state);
         Self {
             t_s: state.t_s,

@@ -5,7 +5,7 @@ use std::{
     mem::MaybeUninit,
 };
 
-use crate::failure::{Failure, FailureKind};
+use crate::failure::{CallFailure, FailureKind};
 
 /// Returns the version of the library, such as `0.1.0`. It must not be freed.
 #[unsafe(no_mangle)]
@@ -28,9 +28,12 @@ pub unsafe extern "C" fn iiwasim_string_free(string: *mut c_char) {
 }
 
 /// Passes a text to the caller, who must free it.
-pub(crate) fn hand_out(text: String, place: &mut MaybeUninit<*mut c_char>) -> Result<(), Failure> {
+pub(crate) fn hand_out(
+    text: String,
+    place: &mut MaybeUninit<*mut c_char>,
+) -> Result<(), CallFailure> {
     let text = CString::new(text).map_err(|error| {
-        Failure::new(FailureKind::Internal, format!("a text with a NUL: {error}"))
+        CallFailure::new(FailureKind::Internal, format!("a text with a NUL: {error}"))
     })?;
     place.write(text.into_raw());
     Ok(())

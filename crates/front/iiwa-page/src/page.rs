@@ -14,10 +14,10 @@ use serde::Serialize;
 use crate::PageError;
 
 /// Placeholder in a page, and its content.
-pub(crate) type Part = (&'static str, &'static str);
+pub(crate) type PagePart = (&'static str, &'static str);
 
 /// Parts of all pages.
-const PARTS: [Part; 12] = [
+const PARTS: [PagePart; 12] = [
     ("/*style.css*/", include_str!("page/style.css")),
     ("/*basics.js*/", include_str!("page/basics.js")),
     ("/*poses.js*/", include_str!("page/poses.js")),
@@ -35,7 +35,7 @@ const PARTS: [Part; 12] = [
 /// Assembles a page from its parts, its title and its data, which its scripts read as JSON.
 pub(crate) fn assemble(
     page: &str,
-    parts: &[Part],
+    parts: &[PagePart],
     title: &str,
     data: &impl Serialize,
 ) -> Result<String, PageError> {

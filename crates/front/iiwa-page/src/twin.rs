@@ -7,11 +7,11 @@ use serde::Serialize;
 
 use crate::{
     PageError,
-    page::{self, Part},
+    page::{self, PagePart},
 };
 
 /// Parts of this page only.
-const PARTS: [Part; 10] = [
+const PARTS: [PagePart; 10] = [
     ("/*twin.css*/", include_str!("twin/twin.css")),
     ("/*plot.js*/", include_str!("page/plot.js")),
     ("/*link.js*/", include_str!("twin/link.js")),

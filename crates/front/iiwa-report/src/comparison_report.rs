@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, path::Path};
 
 use comfy_table::Cell;
-use iiwa_eval::{Comparison, Deviation, MotionTime, Plan, StopTime, TorqueDifference};
+use iiwa_eval::{Comparison, Deviation, MotionTime, PlannedTrajectory, StopTime, TorqueDifference};
 use iiwa_json::printable;
 use iiwa_log::{CycleClock, JointLog, Loss};
 use serde::Serialize;
@@ -31,7 +31,7 @@ pub struct ComparisonReport {
     joint_deviation: JointRow,
     tcp_deviation: TcpRow,
     /// Recorded minus planned torques at the same path point; null if the recording has no torques.
-    torque_difference: Option<TorqueRow>,
+    torque_difference: Option<TorqueErrors>,
     /// Number of samples in motion, their rate and noise.
     samples: usize,
     rate_hz: f64,
@@ -104,7 +104,7 @@ struct TcpRow {
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct TorqueRow {
+struct TorqueErrors {
     rms_nm: [f64; 7],
     max_nm: [f64; 7],
     /// Times of the largest differences.
@@ -116,7 +116,7 @@ struct TorqueRow {
     turned: bool,
 }
 
-impl From<&TorqueDifference> for TorqueRow {
+impl From<&TorqueDifference> for TorqueErrors {
     fn from(difference: &TorqueDifference) -> Self {
         Self {
             rms_nm: difference.rms_nm,
@@ -187,7 +187,7 @@ impl ComparisonReport {
     pub fn new(
         [plan_file, measured_file]: [&Path; 2],
         picture: Option<&Path>,
-        plan: &Plan,
+        plan: &PlannedTrajectory,
         measured: &JointLog,
         comparison: &Comparison,
     ) -> Self {
@@ -216,7 +216,7 @@ impl ComparisonReport {
             stops: comparison.stops.iter().map(StopTimeRow::from).collect(),
             joint_deviation: (&comparison.joints_rad).into(),
             tcp_deviation: (&comparison.tcp_m).into(),
-            torque_difference: comparison.torques.as_ref().map(TorqueRow::from),
+            torque_difference: comparison.torques.as_ref().map(TorqueErrors::from),
             samples: comparison.samples,
             rate_hz: 1.0 / comparison.step_s,
             noise_rad: comparison.noise_rad,

@@ -22,7 +22,7 @@ use self::{
     figure::{EQUAL_SHARE, Figure, KappaFigure, blends},
     ramp_figures::{RampFigures, unexplained},
     tcp_figures::TcpFigures,
-    torque_figures::TorqueFigures,
+    torque_figures::TorqueResults,
 };
 
 /// Results of an identification from recordings. As JSON, this is the object of `iiwasim identify
@@ -44,7 +44,7 @@ pub struct IdentificationReport {
     /// TCP paths; null if there are none.
     tcp: Option<TcpFigures>,
     /// Load and friction; null if no recording has torques.
-    torques: Option<TorqueFigures>,
+    torques: Option<TorqueResults>,
     lines: Vec<LineRow>,
     blends: Vec<BlendRow>,
     /// Missing parts of the recordings, and unused data.
@@ -168,7 +168,7 @@ impl IdentificationReport {
                 .map(|kappa| KappaFigure::new(kappa, identified.blends.len())),
             unequal_share: identified.unequal_share.map(Figure::from),
             tcp: TcpFigures::of(identified),
-            torques: identified.torques.as_ref().map(TorqueFigures::new),
+            torques: identified.torques.as_ref().map(TorqueResults::new),
             lines: identified.lines.iter().map(LineRow::from).collect(),
             blends: identified.blends.iter().map(BlendRow::from).collect(),
             losses: lost.chain(unexplained(identified)).chain(left_out).chain(unused).collect(),

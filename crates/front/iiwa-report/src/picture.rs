@@ -61,13 +61,13 @@ const FINE: u32 = 4;
 const DASH: i32 = 72;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
+type DrawResult = Result<(), Box<dyn std::error::Error>>;
 type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Draws a picture of this size in pixels as SVG.
 fn svg(
     [width, height]: [u32; 2],
-    draw: impl FnOnce(&Area<'_>) -> Drawn,
+    draw: impl FnOnce(&Area<'_>) -> DrawResult,
 ) -> Result<String, ReportError> {
     let mut svg = String::new();
     {
@@ -89,7 +89,7 @@ fn font() -> (&'static str, u32) {
     ("sans-serif", 15 * FINE)
 }
 
-fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> Drawn {
+fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> DrawResult {
     chart
         .configure_series_labels()
         .position(position)

@@ -2,7 +2,7 @@
 
 use std::{fmt::Write as _, path::Path};
 
-use iiwa_eval::{Plan, compare};
+use iiwa_eval::{PlannedTrajectory, compare};
 use iiwa_log::{CycleClock, JointLog};
 use serde::Serialize;
 
@@ -42,7 +42,12 @@ impl RunReport {
     /// Creates the report on the run of a plan. The log has the robot program's time if the robot
     /// program reported it. `file` contains the samples, if written.
     #[must_use]
-    pub fn new(plan: &Plan, measured: &JointLog, complete: bool, file: Option<&Path>) -> Self {
+    pub fn new(
+        plan: &PlannedTrajectory,
+        measured: &JointLog,
+        complete: bool,
+        file: Option<&Path>,
+    ) -> Self {
         let planned_s = plan.cycle_time_s();
         let stated_s = measured.cycle_time_s;
         let complete_s = |by| stated_s.filter(|_| complete && measured.timed_by == by);
@@ -103,7 +108,7 @@ impl RunReport {
 }
 
 /// Returns the cycle time of a run, in s, see [`RunReport`].
-fn measured_cycle_time_s(plan: &Plan, measured: &JointLog) -> Option<f64> {
+fn measured_cycle_time_s(plan: &PlannedTrajectory, measured: &JointLog) -> Option<f64> {
     compare(plan, measured).map(|comparison| comparison.cycle_time.real_s).ok().or_else(|| {
         let stands_s = match measured.timed_by {
             CycleClock::CommandedPosition => plan.standing_s(),

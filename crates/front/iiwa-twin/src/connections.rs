@@ -41,8 +41,9 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// Maximum size of a request's head, in bytes.
 const HEAD_BYTES: usize = 16 << 10;
 
-/// Accepts connections, which `router` answers; never returns. Requests carry the [`Connection`] as
-/// an extension. Each connection has one request: `router` answers with `Connection: close`.
+/// Accepts connections, which `router` answers; never returns. Requests carry the
+/// [`PageConnection`] as an extension. Each connection has one request: `router` answers with
+/// `Connection: close`.
 pub(crate) async fn accept(listener: TcpListener, router: Router) {
     let connections = Arc::new(Connections::new());
     let mut count = 0;
@@ -74,7 +75,7 @@ fn is_gone(error: &io::Error) -> bool {
 }
 
 /// Answers the request of a connection, unless the connection is closed before.
-async fn serve(stream: TcpStream, connection: Connection, router: Router) {
+async fn serve(stream: TcpStream, connection: PageConnection, router: Router) {
     let service = TowerToHyperService::new(router.layer(Extension(connection.clone())));
     let exchange = http1::Builder::new()
         .max_buf_size(HEAD_BYTES)
@@ -119,14 +120,14 @@ impl Connections {
         number: u64,
         peer: SocketAddr,
         permit: OwnedSemaphorePermit,
-    ) -> Connection {
+    ) -> PageConnection {
         if self.unverified().len() >= MAX_UNVERIFIED {
             self.close_oldest();
         }
         let close = Arc::new(Notify::new());
         self.unverified().insert(number, close.clone());
         let verified = OnceLock::new();
-        Connection(Arc::new(ConnectionState {
+        PageConnection(Arc::new(ConnectionState {
             number,
             peer,
             close,
@@ -147,7 +148,7 @@ impl Connections {
 
 /// Connection; it counts until all clones are dropped.
 #[derive(Clone, Debug)]
-pub(crate) struct Connection(Arc<ConnectionState>);
+pub(crate) struct PageConnection(Arc<ConnectionState>);
 
 #[derive(Debug)]
 struct ConnectionState {
@@ -166,7 +167,7 @@ pub(crate) struct Full {
     pub(crate) max: usize,
 }
 
-impl Connection {
+impl PageConnection {
     pub(crate) fn peer(&self) -> SocketAddr {
         self.0.peer
     }
@@ -211,13 +212,13 @@ impl Drop for ConnectionState {
 mod tests {
     use super::*;
 
-    fn connect(connections: &Arc<Connections>, number: u64) -> Connection {
+    fn connect(connections: &Arc<Connections>, number: u64) -> PageConnection {
         let permit = connections.accepted.clone().try_acquire_owned().unwrap();
         connections.add(number, ([127, 0, 0, 1], 9).into(), permit)
     }
 
     /// Returns true if a connection is to be closed.
-    async fn is_closed(connection: &Connection) -> bool {
+    async fn is_closed(connection: &PageConnection) -> bool {
         time::timeout(Duration::ZERO, connection.0.close.notified()).await.is_ok()
     }
 

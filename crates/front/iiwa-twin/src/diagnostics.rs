@@ -58,9 +58,14 @@ pub fn drive(state: DriveState, robot: &str) -> Diagnostic<'static> {
     part("drive".to_owned(), state.to_string(), robot, Vec::new())
 }
 
-type Values = Vec<(std::borrow::Cow<'static, str>, std::borrow::Cow<'static, str>)>;
+type DiagnosticValues = Vec<(std::borrow::Cow<'static, str>, std::borrow::Cow<'static, str>)>;
 
-fn part(name: String, message: String, robot: &str, values: Values) -> Diagnostic<'static> {
+fn part(
+    name: String,
+    message: String,
+    robot: &str,
+    values: DiagnosticValues,
+) -> Diagnostic<'static> {
     Diagnostic {
         level: DiagnosticLevel::Ok,
         name: name.into(),

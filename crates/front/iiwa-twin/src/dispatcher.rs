@@ -17,7 +17,7 @@ use crate::{
     follow::LatestJoints,
     jog::jog,
     message::{PageChannel, page_message},
-    planned::Planned,
+    planned::PlanFiles,
     positions::PositionList,
     request::PageRequest,
     run::{ProgramRun, RunOutcome},
@@ -25,7 +25,7 @@ use crate::{
 };
 
 /// Carries out requests, and holds saved positions, the plan and the run.
-pub(crate) struct Dispatcher {
+pub(crate) struct TwinDispatcher {
     setup: Arc<Setup>,
     live: Arc<LatestJoints>,
     state: Mutex<DispatcherState>,
@@ -39,8 +39,8 @@ pub(crate) struct Dispatcher {
 #[derive(Default)]
 struct DispatcherState {
     plans: u64,
-    plan: Option<Arc<Planned>>,
-    running: Option<Running>,
+    plan: Option<Arc<PlanFiles>>,
+    running: Option<RunningProgram>,
     /// Number of stop requests: a run that was requested before the last stop does not start.
     stops: u64,
     /// `true` if the twin is shutting down: runs no longer start.
@@ -49,12 +49,12 @@ struct DispatcherState {
     measured: Option<PathBuf>,
 }
 
-struct Running {
+struct RunningProgram {
     thread: JoinHandle<()>,
     stopped: Arc<AtomicBool>,
 }
 
-impl Dispatcher {
+impl TwinDispatcher {
     /// Creates a dispatcher with the saved positions.
     pub(crate) fn new(setup: Arc<Setup>, live: Arc<LatestJoints>) -> Result<Self, TwinError> {
         let nothing = |kind| PageChannel::new(page_message(kind, &None::<()>));
@@ -150,7 +150,7 @@ impl Dispatcher {
             state.plans
         };
         // Planning may take long: the lock is released meanwhile.
-        let plan = Planned::new(id, name, text, &self.setup);
+        let plan = PlanFiles::new(id, name, text, &self.setup);
         let mut state = self.state();
         not_running(&state)?;
         // A program that was loaded later may have been planned faster.
@@ -209,7 +209,7 @@ impl Dispatcher {
             state.running = None;
             dispatcher.run.send_replace(message);
         });
-        state.running = Some(Running { thread, stopped });
+        state.running = Some(RunningProgram { thread, stopped });
         Ok(())
     }
 
@@ -233,7 +233,7 @@ impl Dispatcher {
             state.shutting_down = true;
             state.running.take()
         };
-        let Some(Running { thread, stopped }) = running else { return };
+        let Some(RunningProgram { thread, stopped }) = running else { return };
         stopped.store(true, Ordering::Relaxed);
         if let Ok(mut client) = self.setup.client()
             && client.stop().is_ok()

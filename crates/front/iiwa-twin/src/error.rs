@@ -4,7 +4,7 @@ use std::{error::Error, io, path::PathBuf};
 
 use iiwa_files::OutputError;
 use iiwa_foxglove::ViewersError;
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use iiwa_link::LinkError;
 use iiwa_log::WriteError;
 use iiwa_page::PageError;
@@ -70,7 +70,7 @@ pub enum TwinError {
         /// Content of the file.
         text: String,
         /// Place of the fault in the content.
-        place: Place,
+        place: JsonPlace,
         /// Fault of the file.
         message: String,
     },

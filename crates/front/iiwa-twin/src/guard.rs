@@ -25,7 +25,7 @@ use axum::{
 
 use crate::{
     TwinError,
-    connections::{Connection, Full},
+    connections::{Full, PageConnection},
 };
 
 /// Path of the WebSocket.
@@ -33,9 +33,9 @@ pub(crate) const LIVE: &str = "/live";
 
 /// Secret that the address of the page must contain.
 #[derive(Clone, Debug)]
-pub(crate) struct Token(Arc<str>);
+pub(crate) struct PageToken(Arc<str>);
 
-impl Token {
+impl PageToken {
     /// Creates a token of 128 random bits from the system.
     pub(crate) fn new() -> Result<Self, TwinError> {
         let mut bytes = [0; 16];
@@ -58,7 +58,7 @@ impl Token {
 /// Passes on a request, or rejects it.
 pub(crate) async fn guard(
     State(Admission { token, address }): State<Admission>,
-    Extension(connection): Extension<Connection>,
+    Extension(connection): Extension<PageConnection>,
     request: Request,
     next: Next,
 ) -> Response {
@@ -98,7 +98,7 @@ pub(crate) async fn guard(
 /// Conditions for admitting a request.
 #[derive(Clone, Debug)]
 pub(crate) struct Admission {
-    pub(crate) token: Token,
+    pub(crate) token: PageToken,
     /// Hint where the user finds the complete address with the token.
     pub(crate) address: &'static str,
 }
@@ -121,7 +121,7 @@ enum Forbidden {
 }
 
 fn check(
-    token: &Token,
+    token: &PageToken,
     peer: SocketAddr,
     (method, uri): (&Method, &Uri),
     headers: &HeaderMap,
@@ -181,7 +181,7 @@ mod tests {
         peer: &str,
         headers: &[(HeaderName, &str)],
     ) -> Result<(), Forbidden> {
-        let token = Token("0123".into());
+        let token = PageToken("0123".into());
         let mut all = HeaderMap::new();
         for (name, value) in headers {
             all.append(name, value.parse().unwrap());
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn tokens_differ() {
-        let [a, b] = [Token::new().unwrap(), Token::new().unwrap()];
+        let [a, b] = [PageToken::new().unwrap(), PageToken::new().unwrap()];
         assert_ne!(a.text(), b.text());
         assert_eq!(a.text().len(), 32);
         assert!(a.equals(a.text()) && !a.equals(b.text()));

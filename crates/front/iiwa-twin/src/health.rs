@@ -11,7 +11,7 @@ use iiwa_files::interrupt;
 use iiwa_foxglove::Viewers;
 use iiwa_link::{
     Client, ClientError,
-    message::{Code, Conditions, Direction, DriveState, IoValue, Sensors, Signal, Status},
+    message::{Code, Conditions, Direction, DriveState, DriveStatus, IoValue, Sensors, Signal},
 };
 use serde::Serialize;
 
@@ -29,7 +29,7 @@ const IO_PERIOD: Duration = Duration::from_secs(1);
 /// State in page format.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Health {
-    status: Option<Status>,
+    status: Option<DriveStatus>,
     /// Reason for a missing status.
     error: Option<String>,
     /// Reason why cycle times are not representative, if any.

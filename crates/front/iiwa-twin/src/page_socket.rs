@@ -16,7 +16,7 @@ use tokio::{
 use crate::{
     message::{PageMessage, page_message},
     request::{NumberedRequest, PageRequest},
-    shared::{Shared, interrupted},
+    shared::{SharedTwin, interrupted},
 };
 
 /// Maximum length of a request, in bytes. Programs are uploaded over HTTP instead.
@@ -33,7 +33,7 @@ const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Sends messages and receives requests until the page is closed. Neither sending nor a pending
 /// request delays the reading of the next request, which may be a stop.
-pub(crate) async fn serve_page(socket: WebSocket, twin: Shared) {
+pub(crate) async fn serve_page(socket: WebSocket, twin: SharedTwin) {
     let (mut to_page, from_page) = socket.split();
     let (answered, answers) = mpsc::channel(MAX_ANSWERS);
     tokio::select! {
@@ -49,7 +49,7 @@ pub(crate) async fn serve_page(socket: WebSocket, twin: Shared) {
 /// Sends the latest message of each kind, and the answers, until the page receives no more.
 async fn send_messages(
     page: &mut SplitSink<WebSocket, Message>,
-    twin: &Shared,
+    twin: &SharedTwin,
     mut answers: mpsc::Receiver<PageMessage>,
 ) {
     let dispatcher = &twin.dispatcher;
@@ -92,7 +92,7 @@ fn answer(id: u64, error: Option<String>) -> PageMessage {
 /// Starts a task for each request, until the page is closed or does not receive its answers.
 async fn receive_requests(
     mut page: SplitStream<WebSocket>,
-    twin: &Shared,
+    twin: &SharedTwin,
     answered: mpsc::Sender<PageMessage>,
 ) {
     let places = Arc::new(Semaphore::new(MAX_REQUESTS));
@@ -141,7 +141,7 @@ async fn receive_requests(
 }
 
 /// Carries out a request in its turn.
-async fn carry_out(request: PageRequest, twin: Shared) -> Result<(), String> {
+async fn carry_out(request: PageRequest, twin: SharedTwin) -> Result<(), String> {
     let turns = if request.is_heavy() { twin.heavy } else { twin.requests };
     let ended = |_| "the twin is shutting down".to_owned();
     let turn = turns.acquire_owned().await.map_err(ended)?;

@@ -22,7 +22,7 @@ use crate::{
 
 /// Plan and its files.
 #[derive(Debug)]
-pub(crate) struct Planned {
+pub(crate) struct PlanFiles {
     /// Unique id, so that a page can only run the plan that it shows.
     pub(crate) id: u64,
     /// Motions to send to the robot.
@@ -38,7 +38,7 @@ pub(crate) struct Planned {
     pub(crate) message: PageMessage,
 }
 
-impl Planned {
+impl PlanFiles {
     /// Plans a program. Errors are shown on the page, with the place of the fault in the text.
     pub(crate) fn new(id: u64, name: &str, text: String, setup: &Setup) -> Result<Self, String> {
         let words = |error: TwinError| setup.words(&error);

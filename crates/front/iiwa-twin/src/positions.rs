@@ -8,7 +8,7 @@ use std::{
 };
 
 use iiwa_files::Output;
-use iiwa_json::{Place, problem};
+use iiwa_json::{JsonPlace, problem};
 use iiwa_kin::{Joints, Robot};
 use iiwa_program::{
     Blend, CartesianMotion, Course, Frame, LimitKind, Motion, PathBlend, Program, Ptp, Sources,
@@ -26,7 +26,7 @@ const MAX_NAME: usize = 100;
 
 /// Saved position of the arm.
 #[derive(Clone, Serialize)]
-pub(crate) struct Position {
+pub(crate) struct SavedPosition {
     /// Unique id, unlike indices, which change while other pages show the list.
     id: u64,
     #[serde(flatten)]
@@ -53,7 +53,7 @@ struct PositionsFile {
 /// Positions in their order. A change is written to the file before it takes effect here, so it is
 /// atomic.
 pub(crate) struct PositionList {
-    positions: Vec<Position>,
+    positions: Vec<SavedPosition>,
     /// Last assigned id.
     last_id: u64,
     robot: Robot,
@@ -82,7 +82,7 @@ impl PositionList {
             Err(error) => return Err(TwinError::file(format!("read {}", file.display()), error)),
         };
         let read: PositionsFile = serde_json::from_str(&text).map_err(|error| {
-            let place = Place::of_error(&text, &text, &error);
+            let place = JsonPlace::of_error(&text, &text, &error);
             let (file, problem_text) = (file.to_owned(), problem(&error));
             TwinError::PositionsText { file, text: text.clone(), place, message: problem_text }
         })?;
@@ -109,7 +109,7 @@ impl PositionList {
         Ok(list)
     }
 
-    pub(crate) fn all(&self) -> &[Position] {
+    pub(crate) fn all(&self) -> &[SavedPosition] {
         &self.positions
     }
 
@@ -170,7 +170,7 @@ impl PositionList {
         }
         let mut workcell = Workcell::default();
         let mut motions = Vec::with_capacity(targets.len());
-        for (index, Position { taught, .. }) in targets.iter().enumerate() {
+        for (index, SavedPosition { taught, .. }) in targets.iter().enumerate() {
             let cart_mm = (blend_mm > 0.0 && index + 1 < targets.len()).then_some(blend_mm);
             motions.push(if let Some(target) = self.target(&taught.joints_rad) {
                 workcell.frames.insert(taught.name.clone(), target);
@@ -224,7 +224,8 @@ impl PositionList {
                  character"
             ));
         }
-        let is_other = |kept: &&Position| Some(kept.id) != renamed_id && kept.taught.name == name;
+        let is_other =
+            |kept: &&SavedPosition| Some(kept.id) != renamed_id && kept.taught.name == name;
         match self.positions.iter().find(is_other) {
             Some(_) => Err(format!("there is a position `{name}` already; choose another name")),
             None => Ok(name.to_owned()),
@@ -245,7 +246,7 @@ impl PositionList {
             ));
         }
         self.last_id += 1;
-        self.positions.push(Position { id: self.last_id, taught });
+        self.positions.push(SavedPosition { id: self.last_id, taught });
         Ok(())
     }
 

@@ -15,7 +15,7 @@ use iiwa_files::Output;
 use iiwa_kin::Joints;
 use iiwa_link::{
     ClientError, StartOffset,
-    message::{DriveState, Request, Run as Measured, RunLabel, Status},
+    message::{DriveState, DriveStatus, Request, Run as Measured, RunLabel},
 };
 use iiwa_log::{Config, JointLog};
 use iiwa_page::{Extent, Page};
@@ -25,7 +25,7 @@ use serde::Serialize;
 use crate::{
     Setup, TwinError,
     message::{PageMessage, page_message},
-    planned::Planned,
+    planned::PlanFiles,
     runs::{self, DriveConnection, ExecutedRun},
 };
 
@@ -35,7 +35,7 @@ const SLOW_VELOCITY_REL: f64 = 0.1;
 /// State of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Phase {
+pub(crate) enum RunState {
     /// Motion to the start of the program.
     ToStart,
     Running,
@@ -46,7 +46,7 @@ pub(crate) enum Phase {
 
 /// Run that passed its checks, ready to start.
 pub(crate) struct ProgramRun {
-    plan: Arc<Planned>,
+    plan: Arc<PlanFiles>,
     to_start: Option<Motion>,
     connection: DriveConnection,
     /// `true` after a stop request.
@@ -64,7 +64,7 @@ impl ProgramRun {
     /// Checks that the plan may run from the robot's position, clear of obstacles. Errors are shown
     /// on the page.
     pub(crate) fn new(
-        plan: Arc<Planned>,
+        plan: Arc<PlanFiles>,
         move_to_start: bool,
         setup: &Setup,
     ) -> Result<Self, String> {
@@ -105,11 +105,11 @@ impl ProgramRun {
         let plan = self.plan.clone();
         let begun = |phase| without_recording(&plan, phase, None);
         let failed = |why: &str| {
-            let message = without_recording(&plan, Phase::Failed, Some(why));
+            let message = without_recording(&plan, RunState::Failed, Some(why));
             RunOutcome { message, mcap: None }
         };
         if let Some(motion) = self.to_start.take() {
-            publish(begun(Phase::ToStart));
+            publish(begun(RunState::ToStart));
             let Some(run) = self.execute(
                 &Request::motions(vec![motion]).labelled(RunLabel::of_robot(&setup.robot)),
             ) else {
@@ -119,7 +119,7 @@ impl ProgramRun {
                 return failed(&format!("the robot did not move to the start: {error}"));
             }
         }
-        publish(begun(Phase::Running));
+        publish(begun(RunState::Running));
         let request = Request::motions(plan.motions.clone()).labelled(plan.label.clone());
         let Some(run) = self.execute(&request) else { return failed("stopped") };
         let ExecutedRun { result, streamed, torques } = run;
@@ -147,7 +147,7 @@ impl ProgramRun {
 }
 
 /// Rejects a plan whose run, starting `now`, could not be recorded.
-fn check_recording(plan: &Planned, setup: &Setup, now: Duration) -> Result<(), String> {
+fn check_recording(plan: &PlanFiles, setup: &Setup, now: Duration) -> Result<(), String> {
     let planned_s = plan.label.plan.as_ref().map_or(0.0, |plan| plan.cycle_time_s);
     runs::longest_log(planned_s)
         .to_mcap(file_config(now, setup), &setup.robot, &plan.text)
@@ -164,7 +164,7 @@ fn file_config(epoch: Duration, setup: &Setup) -> Config {
 }
 
 /// Returns the position of the robot, if it is idle.
-pub(crate) fn position_when_idle(status: &Status, setup: &Setup) -> Result<Joints, String> {
+pub(crate) fn position_when_idle(status: &DriveStatus, setup: &Setup) -> Result<Joints, String> {
     if status.state != DriveState::Idle {
         return Err(format!("the robot is busy: {}", status.state));
     }
@@ -189,7 +189,7 @@ pub(crate) fn motion_to(to_rad: Joints, from_rad: Joints, setup: &Setup) -> Resu
 }
 
 /// Returns the state of a run without a recording.
-fn without_recording(plan: &Planned, phase: Phase, error: Option<&str>) -> PageMessage {
+fn without_recording(plan: &PlanFiles, phase: RunState, error: Option<&str>) -> PageMessage {
     page_message(
         "run",
         &RunForPage { plan: plan.id, phase, error, cycle_time_s: None, sketch: None::<()> },
@@ -201,7 +201,7 @@ fn without_recording(plan: &Planned, phase: Phase, error: Option<&str>) -> PageM
 struct RunForPage<'a, S> {
     /// Id of the plan.
     plan: u64,
-    phase: Phase,
+    phase: RunState,
     error: Option<&'a str>,
     cycle_time_s: Option<f64>,
     /// Recording beside the plan.
@@ -209,8 +209,8 @@ struct RunForPage<'a, S> {
 }
 
 /// Writes the recording, and compares it with the plan.
-fn finish(plan: &Planned, log: &JointLog, error: Option<String>, setup: &Setup) -> RunOutcome {
-    let phase = if error.is_some() { Phase::Failed } else { Phase::Done };
+fn finish(plan: &PlanFiles, log: &JointLog, error: Option<String>, setup: &Setup) -> RunOutcome {
+    let phase = if error.is_some() { RunState::Failed } else { RunState::Done };
     if log.t_s.is_empty() {
         return RunOutcome {
             message: without_recording(plan, phase, error.as_deref()),
@@ -251,7 +251,7 @@ fn finish(plan: &Planned, log: &JointLog, error: Option<String>, setup: &Setup) 
 /// cannot be recorded again. Returns its path, and the reason if it is not in the twin's folder.
 fn save(
     bytes: &[u8],
-    plan: &Planned,
+    plan: &PlanFiles,
     setup: &Setup,
 ) -> Result<(PathBuf, Option<String>), TwinError> {
     let in_folder = || {
@@ -291,7 +291,7 @@ mod tests {
             "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
             "motions": [{ "type": "ptp", "joints_deg": [10, 30, 0, -60, 0, 90, 0] }]
         }"#;
-        let plan = Planned::new(1, "a.json", text.to_owned(), &setup).unwrap();
+        let plan = PlanFiles::new(1, "a.json", text.to_owned(), &setup).unwrap();
         check_recording(&plan, &setup, Duration::from_hours(500_000)).unwrap();
         let refusal = check_recording(&plan, &setup, Duration::from_secs(1 << 31)).unwrap_err();
         assert!(refusal.starts_with("the program is not sent"), "{refusal}");

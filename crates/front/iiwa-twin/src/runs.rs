@@ -9,8 +9,8 @@ use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     Client, ClientError, LinkError, Published, Stream, Torques,
     message::{
-        BindingLimit, DriveState, FriStatus, Request, Run as Measured, RunLabel, RunPlan, Samples,
-        Status, TimedBy,
+        BindingLimit, DriveState, DriveStatus, FriStatus, MeasuredPositions, Request,
+        Run as Measured, RunLabel, RunPlan, TimedBy,
     },
 };
 use iiwa_log::{CycleClock, DEFAULT_EPOCH, JointLog};
@@ -75,14 +75,14 @@ pub struct ExecutedRun {
     /// Run as the drive reports it, or the reason for its failure.
     pub result: Result<Measured, ClientError>,
     /// Samples of the stream during the run.
-    pub streamed: Samples,
+    pub streamed: MeasuredPositions,
     /// Torques of the stream, since before the run.
     pub torques: Torques,
 }
 
 /// Event during a run.
 #[derive(Debug)]
-pub enum RunEvent<'a> {
+pub enum RunUpdate<'a> {
     /// Progress: time since the first sample, in s.
     Progress(f64),
     /// A stop was requested, with the answer of the drive.
@@ -96,7 +96,7 @@ pub fn execute(
     drive: &mut DriveConnection,
     request: &Request,
     to_stop: impl Fn() -> bool,
-    on_event: impl FnMut(RunEvent<'_>),
+    on_event: impl FnMut(RunUpdate<'_>),
 ) -> ExecutedRun {
     let DriveConnection { client, stopper, stream } = drive;
     thread::scope(|scope| {
@@ -120,28 +120,28 @@ fn follow(
     stream: &mut Stream,
     has_ended: impl Fn() -> bool,
     to_stop: impl Fn() -> bool,
-    mut on_event: impl FnMut(RunEvent<'_>),
-) -> (Samples, Torques) {
-    let mut streamed = Samples::default();
+    mut on_event: impl FnMut(RunUpdate<'_>),
+) -> (MeasuredPositions, Torques) {
+    let mut streamed = MeasuredPositions::default();
     let mut torques = Torques::default();
     let mut runs = false;
     while !has_ended() {
         if to_stop() {
             // Repeated until the end: the run may not have started at the first stop.
-            on_event(RunEvent::Stopped(&stopper.stop()));
+            on_event(RunUpdate::Stopped(&stopper.stop()));
         }
         match stream.next(POLL) {
             Ok(Some(Published::Joints { t_s, joints_rad })) if runs => {
                 streamed.t_s.push(t_s);
                 streamed.joints_rad.push(joints_rad);
-                on_event(RunEvent::Progress(t_s - streamed.t_s[0]));
+                on_event(RunUpdate::Progress(t_s - streamed.t_s[0]));
             }
             // The first samples of a run precede the publication of its state.
             Ok(Some(Published::Torques { t_s, measured_nm, .. })) => torques.keep(t_s, measured_nm),
             Ok(Some(Published::State { state, .. })) => runs = state != DriveState::Idle,
             Ok(_) => {}
             Err(error) => {
-                on_event(RunEvent::StreamError(&error));
+                on_event(RunUpdate::StreamError(&error));
                 thread::sleep(POLL);
             }
         }
@@ -175,7 +175,7 @@ fn catch_up(stream: &mut Stream, last_s: f64, torques: &mut Torques) {
 
 /// Returns the joint positions in rad, unless they are outdated.
 #[must_use]
-pub fn position(status: &Status) -> Option<Joints> {
+pub fn position(status: &DriveStatus) -> Option<Joints> {
     status.joints_rad.filter(|_| status.fri.session != FriStatus::SILENT)
 }
 
@@ -183,7 +183,7 @@ pub fn position(status: &Status) -> Option<Joints> {
 /// known, and the cycle time that the robot program reports.
 #[must_use]
 pub fn since_start(measured: &Measured, torques: &Torques) -> JointLog {
-    let Samples { t_s, joints_rad, .. } = &measured.samples;
+    let MeasuredPositions { t_s, joints_rad, .. } = &measured.samples;
     let from_s = measured.start_s.or(t_s.first().copied()).unwrap_or_default();
     // Stamps are rounded sums: the first sample may be slightly before the start.
     let first = t_s.partition_point(|t_s| t_s - from_s <= -1e-6);

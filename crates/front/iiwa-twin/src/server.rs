@@ -23,11 +23,11 @@ use tokio_util::io::ReaderStream;
 
 use crate::{
     Setup, TwinError,
-    connections::{self, Connection},
-    guard::{Admission, LIVE, Token, guard},
+    connections::{self, PageConnection},
+    guard::{Admission, LIVE, PageToken, guard},
     message::page_message,
     page_socket::{MAX_REQUEST_BYTES, serve_page},
-    shared::{Shared, interrupted},
+    shared::{SharedTwin, interrupted},
 };
 
 /// Maximum length of a program's text, in bytes.
@@ -37,7 +37,11 @@ const MAX_PROGRAM_BYTES: usize = 4 << 20;
 const UPLOAD_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// Serves the page until an interrupt.
-pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Result<(), TwinError> {
+pub(crate) fn serve(
+    listener: TcpListener,
+    token: &PageToken,
+    twin: SharedTwin,
+) -> Result<(), TwinError> {
     let to_error = TwinError::Serve;
     listener.set_nonblocking(true).map_err(to_error)?;
     let admission = Admission { token: token.clone(), address: twin.setup.wording.address };
@@ -61,7 +65,7 @@ pub(crate) fn serve(listener: TcpListener, token: &Token, twin: Shared) -> Resul
 }
 
 /// Routes behind the guard.
-fn routes(twin: Shared) -> Router {
+fn routes(twin: SharedTwin) -> Router {
     Router::new()
         .route("/", get(page))
         .route(LIVE, get(connect))
@@ -93,21 +97,21 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
                       img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; \
                       frame-ancestors 'none'";
 
-async fn page(State(twin): State<Shared>) -> Response {
+async fn page(State(twin): State<SharedTwin>) -> Response {
     twin_page(&twin.setup.for_page())
         .map_or_else(|error| failed(&twin.setup, &error.into()), |text| html(text, POLICY))
 }
 
 /// Query of an upload.
 #[derive(Deserialize)]
-struct Named {
+struct UploadQuery {
     name: String,
 }
 
 /// Plans an uploaded program, once it is read: a slow upload does not delay others.
 async fn program(
-    State(twin): State<Shared>,
-    Query(Named { name }): Query<Named>,
+    State(twin): State<SharedTwin>,
+    Query(UploadQuery { name }): Query<UploadQuery>,
     request: Request,
 ) -> Response {
     let setup = twin.setup.clone();
@@ -156,7 +160,7 @@ async fn read_program(request: Request) -> Result<String, Response> {
     }
 }
 
-async fn report(State(twin): State<Shared>) -> Response {
+async fn report(State(twin): State<SharedTwin>) -> Response {
     let setup = twin.setup.clone();
     let Ok(turn) = twin.heavy.acquire_owned().await else { return shutting_down() };
     let made = task::spawn_blocking(move || {
@@ -180,7 +184,7 @@ fn shutting_down() -> Response {
 }
 
 /// Streams a file: it is never in memory as a whole.
-async fn file(State(twin): State<Shared>, Path(name): Path<String>) -> Response {
+async fn file(State(twin): State<SharedTwin>, Path(name): Path<String>) -> Response {
     let missing = || (StatusCode::NOT_FOUND, "no such file\n").into_response();
     let Some(path) = twin.dispatcher.file(&name) else { return missing() };
     let Ok(file) = fs::File::open(&path).await else { return missing() };
@@ -199,8 +203,8 @@ async fn file(State(twin): State<Shared>, Path(name): Path<String>) -> Response 
 }
 
 async fn connect(
-    State(twin): State<Shared>,
-    Extension(connection): Extension<Connection>,
+    State(twin): State<SharedTwin>,
+    Extension(connection): Extension<PageConnection>,
     upgrade: WebSocketUpgrade,
 ) -> Response {
     upgrade.max_message_size(MAX_REQUEST_BYTES).max_frame_size(MAX_REQUEST_BYTES).on_upgrade(
@@ -223,14 +227,14 @@ mod tests {
     use time::Instant;
 
     use super::*;
-    use crate::{dispatcher::Dispatcher, follow::LatestJoints, message::PageChannel};
+    use crate::{dispatcher::TwinDispatcher, follow::LatestJoints, message::PageChannel};
 
     /// Returns a twin without a drive, with its files in this folder.
-    fn twin(folder: &Path) -> Shared {
+    fn twin(folder: &Path) -> SharedTwin {
         let setup = Arc::new(Setup::without_drive(folder));
-        let dispatcher = Dispatcher::new(setup.clone(), Arc::new(LatestJoints::default()));
+        let dispatcher = TwinDispatcher::new(setup.clone(), Arc::new(LatestJoints::default()));
         let channels = [(), ()].map(|()| PageChannel::new("{}".into()).subscribe());
-        Shared::new(setup, channels, Arc::new(dispatcher.unwrap()))
+        SharedTwin::new(setup, channels, Arc::new(dispatcher.unwrap()))
     }
 
     /// Returns status and text of the answer to an upload.

@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_files::{interrupt, leftovers::Name};
+use iiwa_files::{interrupt, leftovers::TemporaryName};
 use iiwa_kin::{Joints, Robot, RosNames};
 use iiwa_link::{Client, Remote, Stream};
 use iiwa_page::{
@@ -82,7 +82,7 @@ struct Temporary {
 
 impl Temporary {
     fn new() -> io::Result<Self> {
-        let name = Name { prefix: "iiwasim-twin-", suffix: "", is_folder: true };
+        let name = TemporaryName { prefix: "iiwasim-twin-", suffix: "", is_folder: true };
         let make = |name: &mut tempfile::Builder<'_, '_>| name.tempdir();
         let (folder, lock) = name.make(&env::temp_dir(), make, TempDir::path)?;
         Ok(Self { folder, _lock: lock })

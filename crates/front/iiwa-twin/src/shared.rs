@@ -8,30 +8,30 @@ use tokio::{
     time,
 };
 
-use crate::{Setup, dispatcher::Dispatcher, message::PageMessage};
+use crate::{Setup, dispatcher::TwinDispatcher, message::PageMessage};
 
 /// Maximum number of concurrent requests of all pages. Each has its own connection to the drive.
 const MAX_REQUESTS: usize = 8;
 
 /// Messages to pages, and the dispatcher of their requests.
 #[derive(Clone)]
-pub(crate) struct Shared {
+pub(crate) struct SharedTwin {
     pub(crate) setup: Arc<Setup>,
     pub(crate) live: watch::Receiver<PageMessage>,
     pub(crate) health: watch::Receiver<PageMessage>,
-    pub(crate) dispatcher: Arc<Dispatcher>,
+    pub(crate) dispatcher: Arc<TwinDispatcher>,
     /// Permits of requests.
     pub(crate) requests: Arc<Semaphore>,
     /// Permit of work that needs much memory: planning, and creating a report.
     pub(crate) heavy: Arc<Semaphore>,
 }
 
-impl Shared {
+impl SharedTwin {
     /// Creates the state with the channels of joint positions and of health.
     pub(crate) fn new(
         setup: Arc<Setup>,
         [live, health]: [watch::Receiver<PageMessage>; 2],
-        dispatcher: Arc<Dispatcher>,
+        dispatcher: Arc<TwinDispatcher>,
     ) -> Self {
         let permits = |count| Arc::new(Semaphore::new(count));
         Self { setup, live, health, dispatcher, requests: permits(MAX_REQUESTS), heavy: permits(1) }

@@ -11,21 +11,21 @@ use iiwa_foxglove::Viewers;
 
 use crate::{
     Setup, TwinError,
-    dispatcher::Dispatcher,
+    dispatcher::TwinDispatcher,
     follow::{LatestJoints, follow},
-    guard::Token,
+    guard::PageToken,
     health::watch_health,
     message::PageChannel,
     server::serve,
-    shared::Shared,
+    shared::SharedTwin,
 };
 
 /// Page of a robot, and its server.
 pub struct Twin {
     setup: Arc<Setup>,
     live: Arc<LatestJoints>,
-    dispatcher: Arc<Dispatcher>,
-    token: Token,
+    dispatcher: Arc<TwinDispatcher>,
+    token: PageToken,
 }
 
 impl Twin {
@@ -36,10 +36,10 @@ impl Twin {
     /// [`TwinError`] if the file of saved positions is invalid or belongs to another robot, or the
     /// system provides no random numbers.
     pub fn new(setup: Setup) -> Result<Self, TwinError> {
-        let token = Token::new()?;
+        let token = PageToken::new()?;
         let setup = Arc::new(setup);
         let live = Arc::new(LatestJoints::default());
-        let dispatcher = Arc::new(Dispatcher::new(setup.clone(), live.clone())?);
+        let dispatcher = Arc::new(TwinDispatcher::new(setup.clone(), live.clone())?);
         Ok(Self { setup, live, dispatcher, token })
     }
 
@@ -61,7 +61,7 @@ impl Twin {
         let words = || PageChannel::new("{}".into());
         let (live_words, health_words) = (words(), words());
         let words = [live_words.subscribe(), health_words.subscribe()];
-        let shared = Shared::new(setup.clone(), words, dispatcher.clone());
+        let shared = SharedTwin::new(setup.clone(), words, dispatcher.clone());
         let viewers = viewers.map(Mutex::new);
         thread::scope(|scope| {
             scope.spawn(|| watch_health(&setup, &health_words, viewers.as_ref()));

@@ -2,7 +2,7 @@
 
 use iiwa_link::{
     ClientError,
-    message::{Refusal, Status},
+    message::{DriveStatus, Refusal},
 };
 
 use crate::TwinError;
@@ -17,7 +17,7 @@ pub struct Wording {
     /// Returns advice for a rejected run of motions, which is appended to the rejection.
     pub refusal: fn(&Refusal) -> &'static str,
     /// Explains why runs cannot start while the robot's position is unknown.
-    pub unknown_position: fn(&Status) -> String,
+    pub unknown_position: fn(&DriveStatus) -> String,
     /// Hint where to find the complete address of the page, as in `that the program has printed`.
     pub address: &'static str,
 }

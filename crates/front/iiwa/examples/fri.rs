@@ -7,12 +7,12 @@ use std::error::Error;
 use std::io::{Write, stdout};
 use std::time::Duration;
 
-use iiwa::fri::{Client, Controller, ControllerConfig, Reading};
+use iiwa::fri::{Controller, ControllerConfig, FriClient, Reading};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut out = stdout();
     let mut controller = Controller::new(ControllerConfig::default());
-    let mut client = Client::default();
+    let mut client = FriClient::default();
     let (mut message, mut answer) = (Vec::new(), Vec::new());
     let mut state = None;
 

@@ -34,8 +34,8 @@ use crate::{
     fri,
     position_sensors::PositionSensors,
     program::{self, ProgramInput},
-    report::Report,
-    shared::{Shared, lock},
+    report::ConnectionReport,
+    shared::{CabinetState, lock},
     simulation::{EMERGENCY_STOP_HELD_S, Simulation},
     torque_sensors::TorqueSensors,
 };
@@ -56,7 +56,7 @@ use crate::{
 /// ```
 #[derive(Debug)]
 pub struct Cabinet {
-    shared: Arc<Shared>,
+    shared: Arc<CabinetState>,
     instructions: String,
     state: String,
     _threads: ThreadGroup,
@@ -117,7 +117,7 @@ impl Cabinet {
         simulation.press_emergency_stop_at(config.faults.emergency_stop_at);
         let period =
             Duration::from_millis(u64::from(config.period_ms)).div_f64(config.speed.max(1e-3));
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(CabinetState {
             simulation: Mutex::new(simulation),
             link: Mutex::new(FaultyLink::new(config.faults, period)),
         });
@@ -192,13 +192,13 @@ impl Cabinet {
 
     /// Returns the statistics of the FRI connection so far.
     #[must_use]
-    pub fn report(&self) -> Report {
+    pub fn report(&self) -> ConnectionReport {
         let (session, quality) = {
             let mut simulation = lock(&self.shared.simulation);
             (simulation.fri().state(), simulation.fri().quality())
         };
         let link = lock(&self.shared.link);
-        Report {
+        ConnectionReport {
             cycles: link.cycles,
             delayed_cycles: link.delayed_cycles,
             real_time: link.real_time,

@@ -13,7 +13,7 @@ use iiwa_link::{
     threads::raise_priority,
 };
 
-use crate::shared::{POLL_INTERVAL, Shared, lock};
+use crate::shared::{CabinetState, POLL_INTERVAL, lock};
 
 /// Binds the UDP socket; returns a handle for each of the two threads.
 pub(crate) fn sockets(client: SocketAddr, security: &Server) -> Result<[UdpSocket; 2], LinkError> {
@@ -39,7 +39,7 @@ pub(crate) fn sockets(client: SocketAddr, security: &Server) -> Result<[UdpSocke
 /// half a period, robot time is shifted without gaps: a controller leaves its client a whole cycle
 /// for each answer.
 pub(crate) fn run_clock(
-    shared: &Shared,
+    shared: &CabinetState,
     udp: &UdpSocket,
     client: SocketAddr,
     period: Duration,
@@ -69,7 +69,7 @@ pub(crate) fn run_clock(
 
 /// Receives the client answers.
 pub(crate) fn receive_answers(
-    shared: &Shared,
+    shared: &CabinetState,
     udp: &UdpSocket,
     client: SocketAddr,
     shutdown: &AtomicBool,

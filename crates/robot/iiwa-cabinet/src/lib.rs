@@ -42,4 +42,4 @@ pub use cabinet::Cabinet;
 pub use config::{CabinetConfig, Faults};
 pub use latency::{LateAnswer, Latency};
 pub use repeated::Repeated;
-pub use report::Report;
+pub use report::ConnectionReport;

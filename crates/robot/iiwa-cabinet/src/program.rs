@@ -22,7 +22,7 @@ use iiwa_program::MotionList;
 use iiwa_traj::Trajectory;
 
 use crate::{
-    shared::{POLL_INTERVAL, Shared, lock},
+    shared::{CabinetState, POLL_INTERVAL, lock},
     simulation::plan,
 };
 
@@ -59,7 +59,7 @@ pub(crate) fn plan_motions(
 /// Carries out iiwaDrive instructions and acknowledges them. Motions are planned first and begin
 /// with another instruction, so that they do not begin if they were withdrawn meanwhile.
 pub(crate) struct RobotProgram<'a> {
-    shared: &'a Shared,
+    shared: &'a CabinetState,
     socket: Listener,
     planner: Sender<PlanningJob>,
     /// The instruction that is acknowledged once its motions are planned.
@@ -89,7 +89,11 @@ struct InstructionSource {
 }
 
 impl<'a> RobotProgram<'a> {
-    pub(crate) fn new(shared: &'a Shared, socket: Listener, planner: Sender<PlanningJob>) -> Self {
+    pub(crate) fn new(
+        shared: &'a CabinetState,
+        socket: Listener,
+        planner: Sender<PlanningJob>,
+    ) -> Self {
         Self { shared, socket, planner, planning: None, planned: None }
     }
 
@@ -208,7 +212,7 @@ enum AcknowledgeWhen {
 
 /// Sends the state on every change, repeatedly until acknowledged, and periodically in any case.
 pub(crate) fn send_states(
-    shared: &Shared,
+    shared: &CabinetState,
     socket: &Listener,
     acknowledged: &AtomicBool,
     shutdown: &AtomicBool,

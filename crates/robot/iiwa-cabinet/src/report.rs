@@ -9,7 +9,7 @@ use crate::latency::{LateAnswer, Latency};
 /// Statistics of the FRI connection, as measured by the controller.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub struct Report {
+pub struct ConnectionReport {
     /// Messages sent.
     pub cycles: u64,
     /// Cycles in which the simulation itself was late and its clock waited.
@@ -30,7 +30,7 @@ pub struct Report {
 }
 
 /// Formats the number of messages and the answer latency.
-impl fmt::Display for Report {
+impl fmt::Display for ConnectionReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let micros = |share| {
             let latency = self.latency.quantile(share);

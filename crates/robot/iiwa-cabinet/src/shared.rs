@@ -8,12 +8,12 @@ use std::{
 use crate::{faulty_link::FaultyLink, simulation::Simulation};
 
 /// State shared by the threads.
-pub(crate) struct Shared {
+pub(crate) struct CabinetState {
     pub(crate) simulation: Mutex<Simulation>,
     pub(crate) link: Mutex<FaultyLink>,
 }
 
-impl std::fmt::Debug for Shared {
+impl std::fmt::Debug for CabinetState {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Shared").finish_non_exhaustive()
     }

@@ -54,7 +54,7 @@ pub(crate) struct Simulation {
     /// Joint positions of the last cycles, in rad, the latest last: the positions within three
     /// set-points.
     trail: VecDeque<Joints>,
-    activity: Activity,
+    activity: ProgramActivity,
     outcome: Option<Outcome>,
     boot: u64,
     fri: Controller,
@@ -73,7 +73,7 @@ pub(crate) struct Simulation {
 }
 
 /// Activity of the robot program.
-enum Activity {
+enum ProgramActivity {
     Nothing,
     /// Executes planned motions.
     Motions {
@@ -153,7 +153,7 @@ impl Simulation {
             q: start_rad,
             dq: [0.0; 7],
             trail: VecDeque::new(),
-            activity: Activity::Nothing,
+            activity: ProgramActivity::Nothing,
             outcome: None,
             boot,
             fri: Controller::new(fri),
@@ -197,10 +197,12 @@ impl Simulation {
     /// Returns the state as sent to iiwaDrive.
     pub(crate) fn state(&self) -> StateChange {
         let (state, run) = match &self.activity {
-            Activity::Nothing => (DriveState::Idle, None),
-            Activity::Motions { run, .. } => (DriveState::RunningMotion, Some(*run)),
-            Activity::Commanded(commanded) => (DriveState::RunningTrajectory, Some(commanded.run)),
-            Activity::Braking(braking) => (braking.state, Some(braking.run)),
+            ProgramActivity::Nothing => (DriveState::Idle, None),
+            ProgramActivity::Motions { run, .. } => (DriveState::RunningMotion, Some(*run)),
+            ProgramActivity::Commanded(commanded) => {
+                (DriveState::RunningTrajectory, Some(commanded.run))
+            }
+            ProgramActivity::Braking(braking) => (braking.state, Some(braking.run)),
         };
         let mut conditions = Conditions::default();
         conditions.operation_mode = Some(OperationMode::Aut);
@@ -235,12 +237,12 @@ impl Simulation {
         self.changed = true;
         let error = Refusal::robot("the emergency stop was pressed");
         match &mut self.activity {
-            Activity::Nothing | Activity::Braking(_) => {}
-            Activity::Motions { playback, error: stop_reason, .. } => {
+            ProgramActivity::Nothing | ProgramActivity::Braking(_) => {}
+            ProgramActivity::Motions { playback, error: stop_reason, .. } => {
                 playback.stop(EMERGENCY_STOP_S);
                 *stop_reason = Some(error);
             }
-            Activity::Commanded(_) => self.brake(error),
+            ProgramActivity::Commanded(_) => self.brake(error),
         }
     }
 
@@ -286,7 +288,7 @@ impl Simulation {
     /// client commands, this motion holds the position at the request: set-points do not change it.
     fn ipo_rad(&self) -> Joints {
         match &self.activity {
-            Activity::Commanded(commanded) => commanded.at_rad,
+            ProgramActivity::Commanded(commanded) => commanded.at_rad,
             _ => self.q,
         }
     }
@@ -300,8 +302,8 @@ impl Simulation {
             self.trail.pop_front();
         }
         match &self.activity {
-            Activity::Nothing => JointMotion::default(),
-            Activity::Motions { playback, .. } => {
+            ProgramActivity::Nothing => JointMotion::default(),
+            ProgramActivity::Motions { playback, .. } => {
                 let state = playback.motion().at(playback.at_s());
                 let (rate, change) = playback.time_rate();
                 JointMotion {
@@ -311,7 +313,7 @@ impl Simulation {
                     }),
                 }
             }
-            Activity::Commanded(_) => {
+            ProgramActivity::Commanded(_) => {
                 let trail = &self.trail;
                 let (Some(first), Some(middle)) = (trail.front(), trail.get(stride)) else {
                     return JointMotion::default();
@@ -329,14 +331,14 @@ impl Simulation {
                     }),
                 }
             }
-            Activity::Braking(braking) => braking.joint_motion(),
+            ProgramActivity::Braking(braking) => braking.joint_motion(),
         }
     }
 
     fn advance(&mut self) {
-        match std::mem::replace(&mut self.activity, Activity::Nothing) {
-            Activity::Nothing => {}
-            Activity::Motions { run, mut playback, from, error } => {
+        match std::mem::replace(&mut self.activity, ProgramActivity::Nothing) {
+            ProgramActivity::Nothing => {}
+            ProgramActivity::Motions { run, mut playback, from, error } => {
                 playback.advance(self.period_s);
                 self.q = playback.position();
                 let (trajectory, at_s) = (playback.motion(), playback.at_s());
@@ -346,21 +348,21 @@ impl Simulation {
                     return self.end(run, Some(from), error);
                 }
                 let share = playback.at_s() / playback.duration_s();
-                self.activity = Activity::Motions { run, playback, from, error };
+                self.activity = ProgramActivity::Motions { run, playback, from, error };
                 if self.press_at.is_some_and(|threshold| share >= threshold) {
                     self.press_at = None;
                     self.press_emergency_stop(EMERGENCY_STOP_HELD_S);
                 }
             }
-            Activity::Commanded(commanded) => self.follow(commanded),
-            Activity::Braking(mut braking) => {
+            ProgramActivity::Commanded(commanded) => self.follow(commanded),
+            ProgramActivity::Braking(mut braking) => {
                 braking.for_s += self.period_s;
                 // Outside the joint range, no further motion could begin.
                 self.q = self.robot.limits().clamp(&braking.position());
                 if braking.is_over() {
                     return self.end(braking.run, braking.from, Some(braking.error));
                 }
-                self.activity = Activity::Braking(braking);
+                self.activity = ProgramActivity::Braking(braking);
             }
         }
     }
@@ -388,7 +390,7 @@ impl Simulation {
                 None
             }
         };
-        self.activity = Activity::Commanded(commanded);
+        self.activity = ProgramActivity::Commanded(commanded);
         if let Some(error) = error {
             self.brake(error);
             // In this cycle, because waiting for the next one would stop the robot abruptly.
@@ -450,7 +452,7 @@ impl Simulation {
     /// Brings the robot to rest on a straight line in joint space, except for joints that would
     /// leave their range.
     fn brake(&mut self, error: Refusal) {
-        if let Activity::Commanded(Commanded { run, from, .. }) = self.activity {
+        if let ProgramActivity::Commanded(Commanded { run, from, .. }) = self.activity {
             self.fri.release();
             let limits = self.robot.limits();
             let takes_s = std::array::from_fn(|j| {
@@ -459,7 +461,7 @@ impl Simulation {
                 let room_rad = ((end_rad - self.q[j]) * speed.signum()).max(0.0);
                 if speed == 0.0 { 0.0 } else { EMERGENCY_STOP_S.min(2.0 * room_rad / speed.abs()) }
             });
-            self.activity = Activity::Braking(JointBraking {
+            self.activity = ProgramActivity::Braking(JointBraking {
                 run,
                 state: DriveState::RunningTrajectory,
                 from,
@@ -480,7 +482,7 @@ impl Simulation {
             end_s: (!self.without_times).then(|| self.now_s()),
             error,
         });
-        self.activity = Activity::Nothing;
+        self.activity = ProgramActivity::Nothing;
         self.changed = true;
     }
 
@@ -490,7 +492,7 @@ impl Simulation {
             return Err(Refusal::robot("the emergency stop is pressed"));
         }
         match &self.activity {
-            Activity::Nothing => Ok(()),
+            ProgramActivity::Nothing => Ok(()),
             _ => Err(Refusal::new(Code::NotIdle, "the robot is busy with another run")),
         }
     }
@@ -503,7 +505,7 @@ impl Simulation {
             return Err(Refusal::robot("the arm has moved since the motions were planned"));
         }
         let playback = Box::new(Playback::new(trajectory));
-        self.activity = Activity::Motions { run, playback, from: self.cycle, error: None };
+        self.activity = ProgramActivity::Motions { run, playback, from: self.cycle, error: None };
         self.changed = true;
         Ok(())
     }
@@ -526,7 +528,7 @@ impl Simulation {
                     )));
                 }
                 self.fri.request_commanding();
-                self.activity = Activity::Commanded(Commanded {
+                self.activity = ProgramActivity::Commanded(Commanded {
                     run,
                     since: self.cycle,
                     at_rad: self.q,
@@ -537,7 +539,7 @@ impl Simulation {
                 self.changed = true;
             }
             Instruction::EndTrajectory { run } => {
-                if let Activity::Commanded(commanded) = &self.activity
+                if let ProgramActivity::Commanded(commanded) = &self.activity
                     && commanded.run == run
                 {
                     if self.dq.iter().any(|dq| dq.abs() > REST_RAD_S) {
@@ -549,15 +551,15 @@ impl Simulation {
                 }
             }
             Instruction::Stop => match &mut self.activity {
-                Activity::Nothing | Activity::Braking(_) => {}
-                Activity::Motions { playback, error, .. } => {
+                ProgramActivity::Nothing | ProgramActivity::Braking(_) => {}
+                ProgramActivity::Motions { playback, error, .. } => {
                     let (at_s, of_s) = (playback.at_s(), playback.duration_s());
                     playback.stop(STOP_S);
                     error.get_or_insert_with(|| {
                         Refusal::robot(format!("stopped on request at {at_s:.2} of {of_s:.2} s"))
                     });
                 }
-                Activity::Commanded(_) => {
+                ProgramActivity::Commanded(_) => {
                     self.brake(Refusal::robot("stopped on request"));
                 }
             },

@@ -18,7 +18,7 @@ use std::{
 };
 
 use iiwa_cabinet::{Cabinet, CabinetConfig};
-use iiwa_fri::{Client, MAX_DATAGRAM_BYTES};
+use iiwa_fri::{FriClient, MAX_DATAGRAM_BYTES};
 use iiwa_link::Server;
 use iiwasim_tests::{
     conformance::{self, ZmqPeer},
@@ -117,7 +117,7 @@ impl HoldingClient {
 }
 
 fn hold(socket: &UdpSocket, over: &AtomicBool) {
-    let (mut client, mut datagram) = (Client::default(), [0; MAX_DATAGRAM_BYTES]);
+    let (mut client, mut datagram) = (FriClient::default(), [0; MAX_DATAGRAM_BYTES]);
     let mut answer = Vec::new();
     while !over.load(Relaxed) {
         let Ok((length, from)) = socket.recv_from(&mut datagram) else { continue };

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use iiwa_drive::{Drive, DriveConfig};
 use iiwa_link::{
     Client, ClientError, LinkError, Remote, Server, Stream,
-    message::Status,
+    message::DriveStatus,
     security::{AllowList, ClientSecurity, KeyPair, PublicKey, ServerSecurity},
 };
 
@@ -45,7 +45,7 @@ pub(crate) fn drive(server: &Server) -> Drive {
     Drive::start(config, server, &Remote::open()).unwrap()
 }
 
-fn request_status(drive: &Drive, remote: &Remote) -> Result<Status, ClientError> {
+fn request_status(drive: &Drive, remote: &Remote) -> Result<DriveStatus, ClientError> {
     Client::new(remote, drive.instructions()).unwrap().state()
 }
 

@@ -36,9 +36,9 @@ const RESTART_ROW: u32 = 20;
 /// Client session.
 ///
 /// ```
-/// use iiwa_fri::{Client, Format, Monitoring, Received, SessionState};
+/// use iiwa_fri::{Format, FriClient, Monitoring, Received, SessionState};
 ///
-/// let mut client = Client::new(Format::V1);
+/// let mut client = FriClient::new(Format::V1);
 /// let message = Monitoring {
 ///     session: SessionState::CommandingActive,
 ///     commanded_rad: Some([0.0; 7]),
@@ -54,7 +54,7 @@ const RESTART_ROW: u32 = 20;
 /// # Ok::<(), iiwa_fri::WireError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct Client {
+pub struct FriClient {
     format: Format,
     latest: Option<Monitoring>,
     /// `true` if the latest message has not been answered yet.
@@ -73,9 +73,9 @@ pub struct Client {
 /// Relation of a message to the previous ones.
 ///
 /// ```
-/// use iiwa_fri::{Client, Monitoring, Received};
+/// use iiwa_fri::{FriClient, Monitoring, Received};
 ///
-/// let mut client = Client::default();
+/// let mut client = FriClient::default();
 /// let message = |sequence| Monitoring { sequence, ..Monitoring::default() };
 /// assert_eq!(client.accept(message(7)), Received::New);
 /// assert_eq!(client.accept(message(7)), Received::Repeated);
@@ -121,7 +121,7 @@ pub struct Counters {
     pub answered: u64,
 }
 
-impl Client {
+impl FriClient {
     /// Creates a client that has not received any message.
     #[must_use]
     pub fn new(format: Format) -> Self {
@@ -299,17 +299,17 @@ mod tests {
         }
     }
 
-    fn give(client: &mut Client, message: &Monitoring) -> Received {
+    fn give(client: &mut FriClient, message: &Monitoring) -> Received {
         let mut bytes = Vec::new();
         Format::V1.encode_monitoring(message, &mut bytes);
         client.receive(&bytes).unwrap()
     }
 
-    fn sequence(client: &mut Client, sequence: u32) -> Received {
+    fn sequence(client: &mut FriClient, sequence: u32) -> Received {
         give(client, &message(sequence, MonitoringReady))
     }
 
-    fn answer(client: &mut Client, setpoint: Option<&Joints>) -> Option<Command> {
+    fn answer(client: &mut FriClient, setpoint: Option<&Joints>) -> Option<Command> {
         let mut out = vec![1];
         let answered = client.answer(setpoint, &mut out);
         assert_eq!(answered, !out.is_empty());
@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn answers_depend_on_the_session_state() {
-        let mut client = Client::default();
+        let mut client = FriClient::default();
         assert_eq!(answer(&mut client, Some(&SETPOINT)), None);
         let nan = [0.0, 0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0];
         for (n, (session, setpoint, expected)) in (0..).zip([
@@ -349,7 +349,7 @@ mod tests {
 
     #[test]
     fn answers_follow_the_receive_multiplier() {
-        let mut client = Client::default();
+        let mut client = FriClient::default();
         let reflected: Vec<u32> = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 30, 31]
             .into_iter()
             .filter(|&sequence| {
@@ -363,7 +363,7 @@ mod tests {
 
     #[test]
     fn counts_losses_delays_and_repetitions() {
-        let mut client = Client::default();
+        let mut client = FriClient::default();
         for (n, expected) in
             [(7, New), (8, New), (12, New), (10, Late), (12, Repeated), (9, Late), (13, New)]
         {
@@ -380,7 +380,7 @@ mod tests {
 
     #[test]
     fn both_counters_wrap_around() {
-        let mut client = Client { sequence: u32::MAX - 1, ..Client::default() };
+        let mut client = FriClient { sequence: u32::MAX - 1, ..FriClient::default() };
         let mut sequences = Vec::new();
         for n in [u32::MAX - 2, u32::MAX - 1, u32::MAX, 0, 2] {
             assert_eq!(sequence(&mut client, n), New);
@@ -389,7 +389,7 @@ mod tests {
         assert_eq!(sequences, [u32::MAX - 1, u32::MAX, 0, 1, 2]);
         assert_eq!(sequence(&mut client, u32::MAX), Late);
         // This also holds while the session opens.
-        let mut client = Client::default();
+        let mut client = FriClient::default();
         give(&mut client, &message(u32::MAX - 5, MonitoringWait));
         assert_eq!(give(&mut client, &message(5, MonitoringWait)), New);
         assert_eq!(client.counters().lost, 10);
@@ -398,7 +398,7 @@ mod tests {
     #[test]
     fn a_restarted_controller_is_detected() {
         let after = |last: u32, next: &Monitoring| {
-            let mut client = Client::default();
+            let mut client = FriClient::default();
             sequence(&mut client, last);
             answer(&mut client, None);
             let received = give(&mut client, next);
@@ -422,7 +422,7 @@ mod tests {
             time: Some(Duration::from_millis(ms)),
             ..message(sequence, MonitoringWait)
         };
-        let mut client = Client::default();
+        let mut client = FriClient::default();
         give(&mut client, &at(3, 15));
         assert_eq!(give(&mut client, &at(2, 10)), Late);
         assert_eq!(give(&mut client, &at(3, 15)), Repeated);
@@ -433,7 +433,7 @@ mod tests {
 
     #[test]
     fn a_row_of_late_messages_is_a_restart() {
-        let mut client = Client::default();
+        let mut client = FriClient::default();
         sequence(&mut client, 100);
         for n in 0..19 {
             assert_eq!(sequence(&mut client, n), Late);

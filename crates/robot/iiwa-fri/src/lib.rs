@@ -10,10 +10,10 @@
 //! ```
 //! use std::time::Duration;
 //!
-//! use iiwa_fri::{Client, Controller, ControllerConfig, Reading, SessionState};
+//! use iiwa_fri::{Controller, ControllerConfig, FriClient, Reading, SessionState};
 //!
 //! let mut controller = Controller::new(ControllerConfig::default());
-//! let mut client = Client::default();
+//! let mut client = FriClient::default();
 //! let (mut message, mut answer) = (Vec::new(), Vec::new());
 //! for cycle in 0..60 {
 //!     let reading = Reading { time: Duration::from_millis(5 * cycle), ..Reading::default() };
@@ -38,7 +38,7 @@ mod message;
 mod v1;
 mod wire;
 
-pub use client::{Client, Counters, Received};
+pub use client::{Counters, FriClient, Received};
 pub use controller::{AnswerCounters, Controller, ControllerConfig, Reading};
 pub use counter::ahead;
 pub use error::WireError;

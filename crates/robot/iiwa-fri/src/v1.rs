@@ -46,7 +46,7 @@ const OVERLAYS: &[Overlay] = &[Overlay::None, Overlay::Joint, Overlay::Cartesian
 #[derive(Clone, PartialEq, Message)]
 struct MonitoringMessage {
     #[prost(message, optional, tag = "1")]
-    header: Option<Header>,
+    header: Option<FriHeader>,
     #[prost(message, optional, tag = "2")]
     robot: Option<RobotInfo>,
     #[prost(message, optional, tag = "3")]
@@ -60,13 +60,13 @@ struct MonitoringMessage {
 #[derive(Clone, PartialEq, Message)]
 struct CommandMessage {
     #[prost(message, optional, tag = "1")]
-    header: Option<Header>,
+    header: Option<FriHeader>,
     #[prost(message, optional, tag = "2")]
     data: Option<CommandData>,
 }
 
 #[derive(Clone, Copy, PartialEq, Message)]
-struct Header {
+struct FriHeader {
     #[prost(uint32, optional, tag = "1")]
     identifier: Option<u32>,
     #[prost(uint32, optional, tag = "2")]
@@ -169,7 +169,7 @@ pub(super) fn encode_monitoring(message: &Monitoring, out: &mut Vec<u8>) {
         tracking_performance: message.tracking_performance,
     };
     let message = MonitoringMessage {
-        header: Some(Header::new(MONITORING, message.sequence, message.reflected)),
+        header: Some(FriHeader::new(MONITORING, message.sequence, message.reflected)),
         robot: has_robot.then(|| RobotInfo {
             joints: Some(7),
             safety: safety.map(|safety| number(SAFETY, safety)),
@@ -237,7 +237,7 @@ pub(super) fn decode_monitoring(datagram: &[u8]) -> Result<Monitoring, WireError
 pub(super) fn encode_command(message: &Command, out: &mut Vec<u8>) {
     let data =
         message.joints_rad.as_ref().map(|joints| CommandData { joints: values(Some(joints)) });
-    let header = Some(Header::new(COMMAND, message.sequence, message.reflected));
+    let header = Some(FriHeader::new(COMMAND, message.sequence, message.reflected));
     CommandMessage { header, data }.encode_raw(out);
 }
 
@@ -251,7 +251,7 @@ pub(super) fn decode_command(datagram: &[u8]) -> Result<Command, WireError> {
     Ok(Command { sequence, reflected, joints_rad })
 }
 
-impl Header {
+impl FriHeader {
     const fn new(identifier: u32, sequence: u32, reflected: u32) -> Self {
         Self { identifier: Some(identifier), sequence: Some(sequence), reflected: Some(reflected) }
     }
@@ -272,7 +272,7 @@ impl TimeStamp {
 }
 
 /// Returns the sequence counters of a header: the sender's counter and the reflected one.
-fn counters(header: Option<Header>, expected: u32) -> Result<(u32, u32), WireError> {
+fn counters(header: Option<FriHeader>, expected: u32) -> Result<(u32, u32), WireError> {
     let header = required(header, "header")?;
     let found = required(header.identifier, "header.messageIdentifier")?;
     if found != expected {
@@ -427,7 +427,7 @@ mod tests {
 
     /// Decodes a command with `data` after its header.
     fn command(data: &CommandData) -> Result<Command, WireError> {
-        let header = Some(Header::new(COMMAND, 0, 0));
+        let header = Some(FriHeader::new(COMMAND, 0, 0));
         decode_command(&CommandMessage { header, data: Some(data.clone()) }.encode_to_vec())
     }
 
@@ -450,7 +450,7 @@ mod tests {
     /// Returns the error of a valid message after `change`.
     fn error(change: impl Fn(&mut MonitoringMessage)) -> String {
         let mut message = MonitoringMessage {
-            header: Some(Header::new(MONITORING, 1, 2)),
+            header: Some(FriHeader::new(MONITORING, 1, 2)),
             connection: Some(ConnectionInfo {
                 session: Some(1),
                 quality: Some(1),
@@ -468,7 +468,7 @@ mod tests {
     #[test]
     fn errors_name_the_field() {
         let header = |identifier, sequence, reflected| {
-            error(|message| message.header = Some(Header { identifier, sequence, reflected }))
+            error(|message| message.header = Some(FriHeader { identifier, sequence, reflected }))
         };
         assert_eq!(error(|message| message.header = None), "`header` is missing");
         assert_eq!(header(None, Some(1), Some(1)), "`header.messageIdentifier` is missing");
@@ -531,7 +531,7 @@ mod tests {
     fn drives_that_differ_are_reported_as_the_one_furthest_from_active() {
         let stamp = TimeStamp { seconds: Some(u32::MAX), nanoseconds: Some(u32::MAX) };
         let message = MonitoringMessage {
-            header: Some(Header::new(MONITORING, 1, 2)),
+            header: Some(FriHeader::new(MONITORING, 1, 2)),
             connection: Some(ConnectionInfo {
                 session: Some(1),
                 quality: Some(1),

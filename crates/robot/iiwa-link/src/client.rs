@@ -18,13 +18,13 @@ use tokio::{
 use crate::{
     error::LinkError,
     message::{
-        Code, IoValue, MAX_MESSAGE_BYTES, MAX_REPLY_BYTES, Refusal, Request, Run, Sensors, Signal,
-        Status,
+        Code, DriveStatus, IoValue, MAX_MESSAGE_BYTES, MAX_REPLY_BYTES, Refusal, Request, Run,
+        Sensors, Signal,
     },
     security::{ConnectionRefusal, Endpoint},
     socket::{MAX_CLOSED_HANDSHAKES, Remote},
     timed_joints::TimedJoints,
-    transport::{self, Incoming, Wire, WireConfig, WireError},
+    transport::{self, ConnectionEnd, WireConfig, WireConnection, WireInput},
 };
 
 /// A client of a drive: sends one request at a time and waits for its reply.
@@ -42,7 +42,7 @@ pub struct Client {
     endpoint: Endpoint,
     config: WireConfig,
     /// `None` before the first request and after a lost connection.
-    wire: Option<Wire>,
+    wire: Option<WireConnection>,
     runtime: Runtime,
 }
 
@@ -186,7 +186,7 @@ impl Client {
     /// # Errors
     ///
     /// Any [`ClientError`].
-    pub fn state(&mut self) -> Result<Status, ClientError> {
+    pub fn state(&mut self) -> Result<DriveStatus, ClientError> {
         self.request(&Request::State, Some(REPLY_TIMEOUT))
     }
 
@@ -399,12 +399,12 @@ fn read_reply<T: DeserializeOwned>(request: &Request, reply: &[u8]) -> Result<T,
 
 /// Sends a request until its reply arrives, again after each lost connection.
 async fn repeat(
-    mut wire: Option<Wire>,
+    mut wire: Option<WireConnection>,
     config: &WireConfig,
     endpoint: &Endpoint,
     request: &str,
     limit: Duration,
-) -> Result<(Wire, Bytes), ClientError> {
+) -> Result<(WireConnection, Bytes), ClientError> {
     let since = Instant::now();
     loop {
         let patience = Patience::of_stop(limit.saturating_sub(since.elapsed()));
@@ -420,13 +420,13 @@ async fn repeat(
 
 /// Sends a request and waits for its reply, over the existing connection or a new one.
 async fn exchange(
-    wire: Option<Wire>,
+    wire: Option<WireConnection>,
     config: &WireConfig,
     endpoint: &Endpoint,
     request: &str,
     patience: Patience,
-) -> Result<(Wire, Bytes), ClientError> {
-    let lost = |error: WireError| {
+) -> Result<(WireConnection, Bytes), ClientError> {
+    let lost = |error: ConnectionEnd| {
         tracing::debug!("{endpoint}: {error}");
         ClientError::Lost { address: endpoint.to_string() }
     };
@@ -440,14 +440,14 @@ async fn exchange(
     wire.flush().await.map_err(lost)?;
     loop {
         // A lost connection is not retried: a restarted drive does not know the request.
-        if let Incoming::Message(mut reply) = wire.receive().await.map_err(lost)? {
+        if let WireInput::Message(mut reply) = wire.receive().await.map_err(lost)? {
             return Ok((wire, reply.frames.pop().unwrap_or_default()));
         }
     }
 }
 
 /// Returns the existing connection, if it is still open.
-async fn still_up(wire: Option<Wire>) -> Option<Wire> {
+async fn still_up(wire: Option<WireConnection>) -> Option<WireConnection> {
     let mut wire = wire?;
     // Lets the runtime poll for input that has arrived meanwhile.
     yield_now().await;
@@ -460,7 +460,7 @@ async fn connect(
     config: &WireConfig,
     endpoint: &Endpoint,
     patience: Patience,
-) -> Result<Wire, ClientError> {
+) -> Result<WireConnection, ClientError> {
     let refused = |reason: ConnectionRefusal| ClientError::Unauthorized {
         address: endpoint.to_string(),
         reason: reason.reason(),
@@ -472,20 +472,20 @@ async fn connect(
     loop {
         let remaining = total.saturating_sub(since.elapsed()).min(patience.each);
         let mut failure = ClientError::Unreachable { address: endpoint.to_string() };
-        match timeout(remaining, Wire::connect(endpoint, config)).await {
+        match timeout(remaining, WireConnection::connect(endpoint, config)).await {
             Ok(Ok(wire)) => return Ok(wire),
-            Ok(Err(WireError::Io(error))) if is_absent(&error) => {}
+            Ok(Err(ConnectionEnd::Io(error))) if is_absent(&error) => {}
             // A drive that is shutting down or under load also closes connections: only repetition
             // is a refusal.
-            Ok(Err(WireError::Refused(reason @ ConnectionRefusal::Closed)))
+            Ok(Err(ConnectionEnd::Refused(reason @ ConnectionRefusal::Closed)))
                 if closed < patience.closed_handshakes =>
             {
                 closed += 1;
                 total = patience.total;
                 failure = refused(reason);
             }
-            Ok(Err(WireError::Refused(reason))) => return Err(refused(reason)),
-            Ok(Err(WireError::Protocol(error))) => {
+            Ok(Err(ConnectionEnd::Refused(reason))) => return Err(refused(reason)),
+            Ok(Err(ConnectionEnd::Protocol(error))) => {
                 return Err(ClientError::InvalidReply { message: error.to_string() });
             }
             // A server is listening at the address.

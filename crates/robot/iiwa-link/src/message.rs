@@ -15,7 +15,8 @@ pub use conditions::{Conditions, Hello, OperationMode};
 pub use io::{Direction, IoValue, Signal};
 pub use refusal::{Code, Refusal};
 pub use reply::{
-    Body, DriveState, FriStatus, Presence, Reply, Run, Samples, Sensors, Status, TimedBy,
+    DriveState, DriveStatus, FriStatus, MeasuredPositions, Presence, Reply, ReplyBody, Run,
+    Sensors, TimedBy,
 };
 pub use request::{Id, Request, RequestHead};
 pub use robot_identity::{LengthsMm, RobotIdentity};

@@ -7,7 +7,7 @@
 
 use std::time::Duration;
 
-use iiwa_json::Object;
+use iiwa_json::JsonObject;
 use iiwa_program::MotionList;
 use serde::{
     Deserialize, Serialize,
@@ -100,8 +100,8 @@ impl Instruction {
         let Ok(text) = std::str::from_utf8(bytes) else {
             return (None, Err(Refusal::bad("the instruction is not text in UTF-8")));
         };
-        match serde_json::from_str::<Object<InstructionHead>>(text) {
-            Ok(Object(head)) => (Some(head.seq), Self::of_type(&head.r#type, text)),
+        match serde_json::from_str::<JsonObject<InstructionHead>>(text) {
+            Ok(JsonObject(head)) => (Some(head.seq), Self::of_type(&head.r#type, text)),
             Err(error) => (None, Err(bad_json(text, &error))),
         }
     }

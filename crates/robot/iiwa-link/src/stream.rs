@@ -17,7 +17,7 @@ use crate::{
     message::{DriveState, MAX_LABEL_BYTES, RunEvent, from_json},
     security::{ConnectionRefusal, Endpoint},
     socket::{MAX_CLOSED_HANDSHAKES, Remote, SHORT_MESSAGE_BYTES},
-    transport::{self, Incoming, Wire, WireConfig, WireError},
+    transport::{self, ConnectionEnd, WireConfig, WireConnection, WireInput},
 };
 
 /// A subscription to the measurements and states published by a drive.
@@ -39,18 +39,18 @@ pub struct Stream {
     endpoint: Endpoint,
     config: WireConfig,
     topics: &'static [&'static str],
-    connection: Connection,
+    connection: StreamConnection,
     runtime: Runtime,
 }
 
 /// Source and topics of a stream.
-type Source<'a> = (&'a Endpoint, &'a WireConfig, &'static [&'static str]);
+type StreamSource<'a> = (&'a Endpoint, &'a WireConfig, &'static [&'static str]);
 
-enum Connection {
+enum StreamConnection {
     None,
     /// A separate task is connecting.
-    Pending(JoinHandle<Result<Wire, ConnectionRefusal>>),
-    Open(Box<Wire>),
+    Pending(JoinHandle<Result<WireConnection, ConnectionRefusal>>),
+    Open(Box<WireConnection>),
 }
 
 impl std::fmt::Debug for Stream {
@@ -158,7 +158,8 @@ impl Stream {
     ) -> Result<Self, LinkError> {
         let (endpoint, config) = remote.wire(SocketType::Sub, address, max_bytes)?;
         let runtime = transport::runtime().map_err(|source| LinkError::Thread { source })?;
-        let mut stream = Self { endpoint, config, topics, connection: Connection::None, runtime };
+        let mut stream =
+            Self { endpoint, config, topics, connection: StreamConnection::None, runtime };
         let Self { endpoint, config, topics, connection, runtime } = &mut stream;
         // The first call of `next` reports errors.
         let _ = runtime.block_on(async {
@@ -185,37 +186,40 @@ impl Stream {
 
 /// Waits for the next message. Cancellation-safe.
 async fn receive(
-    source: Source<'_>,
-    connection: &mut Connection,
+    source: StreamSource<'_>,
+    connection: &mut StreamConnection,
 ) -> Result<Option<Published>, LinkError> {
     loop {
         open(source, connection).await?;
-        let Connection::Open(wire) = connection else { continue };
+        let StreamConnection::Open(wire) = connection else { continue };
         match wire.receive().await {
-            Ok(Incoming::Message(received)) => return Ok(read(&received.frames)),
+            Ok(WireInput::Message(received)) => return Ok(read(&received.frames)),
             Ok(_) => {}
-            Err(_) => *connection = Connection::None,
+            Err(_) => *connection = StreamConnection::None,
         }
     }
 }
 
 /// Waits for the connection. Cancellation-safe.
-async fn open(source: Source<'_>, connection: &mut Connection) -> Result<(), LinkError> {
+async fn open(
+    source: StreamSource<'_>,
+    connection: &mut StreamConnection,
+) -> Result<(), LinkError> {
     loop {
         match connection {
-            Connection::Open(_) => return Ok(()),
-            Connection::None => {
+            StreamConnection::Open(_) => return Ok(()),
+            StreamConnection::None => {
                 let (endpoint, config, topics) = source;
                 // In a separate task: a handshake cannot be resumed after a time-out of `next`.
                 let task = tokio::spawn(connect(endpoint.clone(), config.clone(), topics));
-                *connection = Connection::Pending(task);
+                *connection = StreamConnection::Pending(task);
             }
-            Connection::Pending(task) => {
+            StreamConnection::Pending(task) => {
                 let connected = task.await;
                 // A task that has ended must not be awaited again.
-                *connection = Connection::None;
+                *connection = StreamConnection::None;
                 match connected {
-                    Ok(Ok(wire)) => *connection = Connection::Open(Box::new(wire)),
+                    Ok(Ok(wire)) => *connection = StreamConnection::Open(Box::new(wire)),
                     Ok(Err(reason)) => {
                         let address = source.0.to_string();
                         return Err(LinkError::Unauthorized { address, reason: reason.reason() });
@@ -232,18 +236,18 @@ async fn connect(
     endpoint: Endpoint,
     config: WireConfig,
     topics: &'static [&'static str],
-) -> Result<Wire, ConnectionRefusal> {
+) -> Result<WireConnection, ConnectionRefusal> {
     let mut closed = 0;
     loop {
         match timeout(CONNECT_TIMEOUT, subscribe(&endpoint, &config, topics)).await {
             Ok(Ok(wire)) => return Ok(wire),
             // A drive that is shutting down also closes connections: only repetition is a refusal.
-            Ok(Err(WireError::Refused(ConnectionRefusal::Closed)))
+            Ok(Err(ConnectionEnd::Refused(ConnectionRefusal::Closed)))
                 if closed < MAX_CLOSED_HANDSHAKES =>
             {
                 closed += 1;
             }
-            Ok(Err(WireError::Refused(reason))) => return Err(reason),
+            Ok(Err(ConnectionEnd::Refused(reason))) => return Err(reason),
             // The drive may start later: the number of attempts is not limited.
             _ => {}
         }
@@ -255,8 +259,8 @@ async fn subscribe(
     endpoint: &Endpoint,
     config: &WireConfig,
     topics: &[&'static str],
-) -> Result<Wire, WireError> {
-    let mut wire = Wire::connect(endpoint, config).await?;
+) -> Result<WireConnection, ConnectionEnd> {
+    let mut wire = WireConnection::connect(endpoint, config).await?;
     for topic in topics {
         wire.subscribe(topic)?;
     }

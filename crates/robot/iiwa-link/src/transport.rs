@@ -17,7 +17,7 @@
 //! A new connection is always accepted. The module `places` selects the connection to be evicted.
 //!
 //! A [`Listener`] accepts connections, and a [`Dialer`] maintains one; a client that sends one
-//! request at a time uses a `Wire`.
+//! request at a time uses a `WireConnection`.
 
 mod dialer;
 mod listener;
@@ -35,5 +35,5 @@ pub use places::PeerId;
 pub use probe::ProbeError;
 pub(crate) use probe::probe;
 pub(crate) use runtime::runtime;
-pub use wire::{Frames, Permit, Received, SHORT_BYTES};
-pub(crate) use wire::{Incoming, Wire, WireConfig, WireError};
+pub(crate) use wire::{ConnectionEnd, WireConfig, WireConnection, WireInput};
+pub use wire::{Frames, Permit, ReceivedMessage, SHORT_BYTES};

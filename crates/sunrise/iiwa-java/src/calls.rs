@@ -9,11 +9,11 @@ use crate::{
     java_lists::REMOVE_ELEMENT,
     java_state::{Activation, MAX_DEPTH},
     machine::Machine,
-    place::Place,
-    stop::Stop,
+    place::SourceLine,
+    stop::EvaluationStop,
     syntax::{ClassKind, Expression, ExpressionKind, Method, TypeName},
     type_names::unboxed,
-    value::{Array, Function, Object, Value},
+    value::{Array, Function, JavaObject, Value},
 };
 
 impl Machine {
@@ -24,7 +24,7 @@ impl Machine {
         on: Option<&Expression>,
         name: &str,
         arguments: &[Expression],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let mut receiver = on.map(|on| self.evaluated(on)).transpose()?;
         if let (Some(on), Some(function @ Value::Function(_))) = (on, &receiver)
             && let Some(static_type) = self.static_type(on)
@@ -120,7 +120,7 @@ impl Machine {
 
     /// Evaluates `name(...)`: a method of this object or class, of an enclosing one, or an imported
     /// one.
-    fn call_by_name(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    fn call_by_name(&mut self, name: &str, arguments: &[Value]) -> Result<Value, EvaluationStop> {
         let Some(activation) = self.java.activation() else {
             return self.reject(format!("the method `{name}` is not known"));
         };
@@ -182,10 +182,10 @@ impl Machine {
     /// Calls a method of the superclass of the class that contains the call.
     fn call_above(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let class = self.java.activation().map_or(object.class, |activation| activation.class);
         if let Some(parent) = self.java.classes.parent(class)
             && let Some(choice) = self.method(parent, name, arguments)
@@ -210,10 +210,10 @@ impl Machine {
     fn call_of_interface(
         &mut self,
         interface: &TypeName,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let class = self
             .class_named(&interface.name)
             .filter(|id| self.java.classes.known(*id).class.kind == ClassKind::Interface);
@@ -233,7 +233,7 @@ impl Machine {
         receiver: &Value,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match receiver {
             Value::Object(object) => self.call_on_object(object, name, arguments),
             Value::Class(id) => {
@@ -284,10 +284,10 @@ impl Machine {
     /// Calls a method of a project object.
     pub(crate) fn call_on_object(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if let Some(choice) = self.method(object.class, name, arguments)
             && choice.has_body()
         {
@@ -319,10 +319,10 @@ impl Machine {
     /// Calls a method that all objects, constants or exceptions have.
     fn of_object(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let this = Value::Object(Rc::clone(object));
         Ok(Some(match (name, arguments) {
             ("getClass", []) => Value::Class(object.class),
@@ -365,7 +365,12 @@ impl Machine {
     }
 
     /// Calls a method of a class itself.
-    fn of_class(&mut self, id: ClassId, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    fn of_class(
+        &mut self,
+        id: ClassId,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, EvaluationStop> {
         let class = Arc::clone(&self.java.classes.known(id).class);
         match (name, arguments) {
             ("values", []) if class.kind == ClassKind::Enum => {
@@ -405,7 +410,12 @@ impl Machine {
     }
 
     /// Calls a method of a value that is not modelled.
-    fn opaque(&mut self, subject: &str, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    fn opaque(
+        &mut self,
+        subject: &str,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, EvaluationStop> {
         if self.host.acting_on_receivers().contains(&name) {
             return self.reject(format!("the motion depends on {subject}"));
         }
@@ -430,10 +440,10 @@ impl Machine {
     pub(crate) fn run(
         &mut self,
         owner: ClassId,
-        this: Option<Rc<Object>>,
+        this: Option<Rc<JavaObject>>,
         method: &Arc<Method>,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if method.is_static {
             self.initialize(owner)?;
         }
@@ -465,7 +475,7 @@ impl Machine {
         method: &Arc<Method>,
         function: &Rc<Function>,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let from = self.enter(owner, None, method, arguments)?;
         let locals = self.java.activation().map_or(&[][..], |activation| &activation.locals);
         let arguments: Vec<_> = locals.iter().map(|local| local.value.clone()).collect();
@@ -486,10 +496,10 @@ impl Machine {
     pub(crate) fn enter(
         &mut self,
         owner: ClassId,
-        this: Option<Rc<Object>>,
+        this: Option<Rc<JavaObject>>,
         method: &Method,
         arguments: &[Value],
-    ) -> Result<Place, Stop> {
+    ) -> Result<SourceLine, EvaluationStop> {
         let from = self.activate(owner, this, &method.name, method.line)?;
         self.java.argument_types = None;
         if let (false, Some(activation)) =
@@ -525,10 +535,10 @@ impl Machine {
     pub(crate) fn activate(
         &mut self,
         class: ClassId,
-        this: Option<Rc<Object>>,
+        this: Option<Rc<JavaObject>>,
         method: &str,
         line: u32,
-    ) -> Result<Place, Stop> {
+    ) -> Result<SourceLine, EvaluationStop> {
         if self.java.activations.len() >= MAX_DEPTH {
             return self.reject(format!(
                 "`{method}` is called more than {MAX_DEPTH} calls deep: a recursion may have no end"
@@ -544,12 +554,12 @@ impl Machine {
             lambda: None,
             type_parameters: Vec::new(),
         });
-        self.place = Place { file: Rc::clone(&self.java.classes.known(class).file), line };
+        self.place = SourceLine { file: Rc::clone(&self.java.classes.known(class).file), line };
         Ok(from)
     }
 
     /// Ends an activation, and returns to the place `from`. On an error, the current place is kept.
-    pub(crate) fn leave<T>(&mut self, from: Place, result: &Result<T, Stop>) {
+    pub(crate) fn leave<T>(&mut self, from: SourceLine, result: &Result<T, EvaluationStop>) {
         self.java.activations.pop();
         if result.is_ok() {
             self.place = from;

@@ -5,14 +5,14 @@ use std::{collections::HashMap, rc::Rc, sync::Arc};
 use crate::{
     class_id::ClassId,
     source_error::SourceError,
-    syntax::{Class, ClassKind, Method, Unit},
+    syntax::{Class, ClassKind, CompilationUnit, Method},
 };
 
 /// Classes of a project by their numbers.
 #[derive(Debug, Default)]
 pub struct Classes {
     known: Vec<KnownClass>,
-    units: Vec<Header>,
+    units: Vec<FileHeader>,
     /// Classes by `package.Class` or `package.Class.Inner`.
     by_qualified_name: HashMap<String, Vec<ClassId>>,
     /// Methods by name, and constructors by the names of their classes.
@@ -53,7 +53,7 @@ pub struct ClassName {
 
 /// Declarations before the classes of a file.
 #[derive(Debug)]
-struct Header {
+struct FileHeader {
     package: String,
     /// Qualified names of imports, by simple name.
     imports: HashMap<String, String>,
@@ -65,8 +65,8 @@ struct Header {
 
 impl Classes {
     /// Adds the classes of a file with its path relative to the project folder.
-    pub fn add(&mut self, file: &str, unit: &Unit) {
-        let mut header = Header {
+    pub fn add(&mut self, file: &str, unit: &CompilationUnit) {
+        let mut header = FileHeader {
             package: unit.package.clone(),
             imports: HashMap::new(),
             all_of: Vec::new(),

@@ -6,8 +6,8 @@ use std::rc::Rc;
 use crate::{
     interfaces::Interface,
     machine::Machine,
-    stop::Stop,
-    value::{Code, Combined, MapPart, Value},
+    stop::EvaluationStop,
+    value::{Combined, FunctionCode, MapPart, Value},
 };
 
 impl Machine {
@@ -18,7 +18,7 @@ impl Machine {
         interface: &Interface,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let interface_name: Rc<str> = Rc::from(interface.name);
         let is_kind = |end: &str| interface.name.ends_with(end);
         if arguments.iter().any(|other| matches!(other, Value::Null)) {
@@ -87,7 +87,7 @@ impl Machine {
             }
             Value::Function(function) => match (&function.code, function.interface.get()) {
                 (_, Some(interface)) => Some(interface.name.ends_with("Comparator")),
-                (Code::Lambda(lambda), None) => Some(lambda.parameters.len() == 2),
+                (FunctionCode::Lambda(lambda), None) => Some(lambda.parameters.len() == 2),
                 _ => None,
             },
             _ => None,
@@ -150,7 +150,7 @@ impl Machine {
             Combined::Identity => "Function",
         };
         let interface = crate::syntax::TypeName::new(interface, 0);
-        let function = self.new_function(self.place.line, Code::Combined(combined));
+        let function = self.new_function(self.place.line, FunctionCode::Combined(combined));
         if let Value::Function(function) = &function {
             _ = function.interface.set(interface);
         }
@@ -162,7 +162,7 @@ impl Machine {
         &mut self,
         combined: &Combined,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match (combined, arguments) {
             (Combined::Identity, [value]) => Ok(value.clone()),
             (Combined::Chain { first, interface, second }, _) => {
@@ -203,7 +203,12 @@ impl Machine {
     }
 
     /// Returns the result of a library comparator.
-    fn compared_by(&mut self, combined: &Combined, a: &Value, b: &Value) -> Result<Value, Stop> {
+    fn compared_by(
+        &mut self,
+        combined: &Combined,
+        a: &Value,
+        b: &Value,
+    ) -> Result<Value, EvaluationStop> {
         let order = match combined {
             Combined::ByKey { key, interface, order } => {
                 let first = self.apply(key, interface, std::slice::from_ref(a))?;
@@ -239,7 +244,7 @@ impl Machine {
         comparator: Option<&Value>,
         a: &Value,
         b: &Value,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match comparator {
             Some(comparator) => self.apply(comparator, "Comparator", &[a.clone(), b.clone()]),
             None => self.natural_comparison(a, b),
@@ -247,7 +252,7 @@ impl Machine {
     }
 
     /// Evaluates `a.compareTo(b)`.
-    fn natural_comparison(&mut self, a: &Value, b: &Value) -> Result<Value, Stop> {
+    fn natural_comparison(&mut self, a: &Value, b: &Value) -> Result<Value, EvaluationStop> {
         match (a, b) {
             (Value::Unknown(_), _) => Ok(a.clone()),
             (_, Value::Unknown(_)) => Ok(b.clone()),

@@ -8,13 +8,13 @@ use crate::{
     java_state::MAX_STEPS,
     machine::Machine,
     overloads::Choice,
-    place::Place,
-    stop::Stop,
+    place::SourceLine,
+    stop::EvaluationStop,
     syntax::{
         Annotation, Class, ClassKind, Expression, ExpressionKind, Field, Member, Method,
         StatementKind, TypeName,
     },
-    value::{Object, Value},
+    value::{JavaObject, Value},
     variables::fields,
 };
 
@@ -26,7 +26,7 @@ impl Machine {
         type_name: &TypeName,
         arguments: &[Expression],
         body: Option<&Arc<Class>>,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let types = self.types_of_arguments(simple(&type_name.name), arguments);
         let arguments = self.evaluated_all(arguments)?;
         self.place.line = expression.line;
@@ -60,7 +60,7 @@ impl Machine {
         &mut self,
         class: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if let Some(value) = self.foreign_new(class, arguments)? {
             return Ok(value);
         }
@@ -115,7 +115,7 @@ impl Machine {
         class: ClassId,
         arguments: &[Value],
         captured: HashMap<String, Value>,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if let Some(again) = self.java.classes.cycle(class) {
             let [class_name, again] =
                 [class, again].map(|id| self.java.classes.known(id).class.name.clone());
@@ -139,7 +139,7 @@ impl Machine {
         class: ClassId,
         captured: HashMap<String, Value>,
         constant: Option<(Rc<str>, i32)>,
-    ) -> Rc<Object> {
+    ) -> Rc<JavaObject> {
         let this = self.java.activation().and_then(|activation| activation.this.clone());
         // The enclosing object is an instance of the enclosing class or of its subclass.
         let outer = self.java.classes.known(class).outer.and_then(|outer| {
@@ -155,7 +155,7 @@ impl Machine {
             }
             None
         });
-        let object = Rc::new(Object {
+        let object = Rc::new(JavaObject {
             class,
             fields: RefCell::default(),
             outer,
@@ -172,10 +172,10 @@ impl Machine {
     /// Runs the constructor of a class on an object, after those of its superclasses.
     fn constructed(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         class: ClassId,
         arguments: &[Value],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         let declaration = Arc::clone(&self.java.classes.known(class).class);
         let constructors = &declaration.constructors;
         let all = constructors.iter().map(|constructor| (class, Arc::clone(constructor))).collect();
@@ -209,10 +209,10 @@ impl Machine {
 
     fn in_constructor(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         class: ClassId,
         constructor: &Method,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         let body = constructor.body.as_deref().unwrap_or_default();
         let first = body.first().and_then(|statement| match &statement.kind {
             StatementKind::Expression(call) => match &call.kind {
@@ -246,10 +246,10 @@ impl Machine {
 
     fn constructed_above(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         class: ClassId,
         arguments: &[Value],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         if let Some(parent) = self.java.classes.parent(class) {
             if self.java.classes.known(parent).class.kind == ClassKind::Interface {
                 return Ok(());
@@ -275,7 +275,11 @@ impl Machine {
     }
 
     /// Initialises the instance fields of a class, in order.
-    fn first_values(&mut self, object: &Rc<Object>, class: ClassId) -> Result<(), Stop> {
+    fn first_values(
+        &mut self,
+        object: &Rc<JavaObject>,
+        class: ClassId,
+    ) -> Result<(), EvaluationStop> {
         let declaration = Arc::clone(&self.java.classes.known(class).class);
         let own_fields = fields(&declaration.members).filter(|field| !field.is_static);
         for field in own_fields {
@@ -294,10 +298,10 @@ impl Machine {
 
     fn first_value(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         class: ClassId,
         field: &Field,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         self.place.line = field.line;
         let value = match &field.initial {
             Some(initial) => self.initial_value(initial, &field.type_name)?,
@@ -318,7 +322,7 @@ impl Machine {
         type_name: &TypeName,
         named: Option<&str>,
         field: &str,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if let Some(class) = self.java.classes.find(&type_name.name, class) {
             return self.injected_object(class);
         }
@@ -330,7 +334,7 @@ impl Machine {
     }
 
     /// Creates an injected object, with the constructor that is annotated for injection.
-    pub(crate) fn injected_object(&mut self, class: ClassId) -> Result<Value, Stop> {
+    pub(crate) fn injected_object(&mut self, class: ClassId) -> Result<Value, EvaluationStop> {
         // Classes may be injected into each other.
         self.java.steps += 100;
         if self.java.steps > MAX_STEPS {
@@ -350,7 +354,7 @@ impl Machine {
     }
 
     /// Initialises the static fields of a class and the constants of an enum, once.
-    pub(crate) fn initialize(&mut self, class: ClassId) -> Result<(), Stop> {
+    pub(crate) fn initialize(&mut self, class: ClassId) -> Result<(), EvaluationStop> {
         if !self.java.initialized.insert(class) {
             return Ok(());
         }
@@ -381,7 +385,7 @@ impl Machine {
         result
     }
 
-    fn static_values(&mut self, class: ClassId, declaration: &Class) -> Result<(), Stop> {
+    fn static_values(&mut self, class: ClassId, declaration: &Class) -> Result<(), EvaluationStop> {
         for (ordinal, constant) in (0..).zip(&declaration.constants) {
             self.place.line = constant.line;
             let arguments = self.evaluated_all(&constant.arguments)?;
@@ -422,11 +426,11 @@ impl Machine {
     /// # Errors
     ///
     /// If an exception is not caught, or if the evaluation ends before the methods do.
-    pub fn run_class(&mut self, class: ClassId, methods: &[&str]) -> Result<(), Stop> {
+    pub fn run_class(&mut self, class: ClassId, methods: &[&str]) -> Result<(), EvaluationStop> {
         self.java.classes.set_main(class);
         let file = Rc::clone(&self.java.classes.known(class).file);
         let line = self.java.classes.known(class).class.line;
-        self.place = Place { file, line };
+        self.place = SourceLine { file, line };
         let Value::Object(object) = self.injected_object(class)? else { return Ok(()) };
         for name in methods {
             if let Some((owner, method)) = self.plain_method(class, name) {

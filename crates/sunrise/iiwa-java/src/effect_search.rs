@@ -12,7 +12,7 @@ use crate::{
         Class, Expression, ExpressionKind, Label, Member, Reference, ReferenceTarget, Statement,
         StatementKind, SwitchGroup,
     },
-    value::{Code, Value},
+    value::{FunctionCode, Value},
 };
 
 /// Prefixes of method names that change their receiver.
@@ -48,7 +48,7 @@ const CHANGING: [&str; 25] = [
 const CHANGING_ARGUMENTS: [&str; 3] = ["Collections", "Arrays", "System"];
 
 /// Search state and the effects found.
-struct Search<'m> {
+struct EffectSearch<'m> {
     machine: &'m mut Machine,
     effects: Effects,
     /// Number of enclosing loops, and of enclosing loops and switches, within the searched code.
@@ -64,7 +64,7 @@ impl Machine {
         &mut self,
         statements: impl IntoIterator<Item = &'s Statement>,
     ) -> Effects {
-        let mut search = Search::new(self);
+        let mut search = EffectSearch::new(self);
         for statement in statements {
             search.statement(statement);
         }
@@ -73,7 +73,7 @@ impl Machine {
 
     /// Returns the effects of an expression.
     pub(crate) fn effects_of_expression(&mut self, expression: &Expression) -> Effects {
-        let mut search = Search::new(self);
+        let mut search = EffectSearch::new(self);
         search.expression(expression);
         search.finish()
     }
@@ -137,7 +137,7 @@ impl Machine {
     }
 
     fn effects_of_syntax(&mut self, function: &FunctionSyntax) -> Effects {
-        let mut search = Search::new(self);
+        let mut search = EffectSearch::new(self);
         match function {
             FunctionSyntax::Lambda(lambda) => search.statements(&lambda.body),
             FunctionSyntax::Reference(reference) => search.reference(reference),
@@ -161,7 +161,7 @@ impl Machine {
             return self.effects_of_syntax(&syntax);
         }
         let mut effects = Effects::default();
-        if let Code::Combined(combined) = &function.code {
+        if let FunctionCode::Combined(combined) = &function.code {
             for part in combined.parts() {
                 effects.add(&self.effects_of_function(part, method));
             }
@@ -180,7 +180,7 @@ impl Machine {
     }
 }
 
-impl<'m> Search<'m> {
+impl<'m> EffectSearch<'m> {
     fn new(machine: &'m mut Machine) -> Self {
         let effects = Effects::default();
         Self { machine, effects, loops: 0, breakable: 0, aliases: Vec::new() }

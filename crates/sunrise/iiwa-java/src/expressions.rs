@@ -5,7 +5,7 @@ use std::{cell::RefCell, rc::Rc};
 use crate::{
     java_state::MAX_STEPS,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::{BinaryOperator, Expression, ExpressionKind, Literal, TypeName},
     type_names::{is_cached, is_primitive, is_text},
     value::{Array, Value},
@@ -18,11 +18,11 @@ const MAX_ELEMENTS: usize = 1_000_000;
 
 impl Machine {
     /// Evaluates an expression.
-    pub(crate) fn evaluated(&mut self, expression: &Expression) -> Result<Value, Stop> {
+    pub(crate) fn evaluated(&mut self, expression: &Expression) -> Result<Value, EvaluationStop> {
         self.deeper(|machine| machine.value_of(expression))
     }
 
-    fn value_of(&mut self, expression: &Expression) -> Result<Value, Stop> {
+    fn value_of(&mut self, expression: &Expression) -> Result<Value, EvaluationStop> {
         self.place.line = expression.line;
         match &expression.kind {
             ExpressionKind::Literal(Literal::String(text)) => Ok(self.literal_text(text)),
@@ -126,7 +126,7 @@ impl Machine {
         expression: &Expression,
         receiver: &Expression,
         name: &str,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let value = self.evaluated(receiver)?;
         self.place.line = expression.line;
         match &value {
@@ -146,7 +146,7 @@ impl Machine {
         expression: &Expression,
         array: &Expression,
         index: &Expression,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let (array, index) = (self.evaluated(array)?, self.evaluated(index)?);
         self.place.line = expression.line;
         match (&array, &index) {
@@ -168,7 +168,7 @@ impl Machine {
         operator: Option<BinaryOperator>,
         target: &Expression,
         value: &Expression,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let slot = self.slot(target)?;
         let value = match operator {
             None => self.evaluated(value)?,
@@ -193,7 +193,7 @@ impl Machine {
         condition: &Expression,
         then_value: &Expression,
         otherwise: &Expression,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match self.condition(condition)? {
             Ok(is_true) => {
                 let value = self.evaluated(if is_true { then_value } else { otherwise })?;
@@ -229,7 +229,10 @@ impl Machine {
         this.map_or(Value::Null, Value::Object)
     }
 
-    pub(crate) fn evaluated_all(&mut self, all: &[Expression]) -> Result<Vec<Value>, Stop> {
+    pub(crate) fn evaluated_all(
+        &mut self,
+        all: &[Expression],
+    ) -> Result<Vec<Value>, EvaluationStop> {
         all.iter().map(|expression| self.evaluated(expression)).collect()
     }
 
@@ -239,7 +242,7 @@ impl Machine {
         &mut self,
         initial: &Expression,
         type_name: &TypeName,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if let ExpressionKind::Array(values) = &initial.kind {
             return self.array_of(values, type_name);
         }
@@ -255,7 +258,11 @@ impl Machine {
         }
     }
 
-    fn array_of(&mut self, values: &[Expression], type_name: &TypeName) -> Result<Value, Stop> {
+    fn array_of(
+        &mut self,
+        values: &[Expression],
+        type_name: &TypeName,
+    ) -> Result<Value, EvaluationStop> {
         let element = type_name.element();
         let values = values.iter().map(|value| self.initial_value(value, &element));
         let values = RefCell::new(values.collect::<Result<Vec<_>, _>>()?);
@@ -266,7 +273,7 @@ impl Machine {
         &mut self,
         type_name: &TypeName,
         lengths: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let Some((first, others)) = lengths.split_first() else { return Ok(Value::Null) };
         if let Value::Unknown(_) = first {
             return Ok(first.clone());
@@ -297,7 +304,7 @@ impl Machine {
         operator: BinaryOperator,
         left: &Expression,
         right: &Expression,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let first = self.evaluated(left)?;
         let decides = match operator {
             BinaryOperator::AndAlso => false,
@@ -335,7 +342,7 @@ impl Machine {
         operator: BinaryOperator,
         (left, first): (&Expression, &Value),
         (right, second): (&Expression, &Value),
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match operator {
             BinaryOperator::Equal | BinaryOperator::NotEqual
                 if !first.is_same(second) && may_be_same(first, second) =>

@@ -5,7 +5,7 @@ use std::{cell::RefCell, rc::Rc};
 use crate::{
     java_sorting::Known,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     value::{List, ListKind, Map, MapOrder, Thrown, Value},
 };
 
@@ -15,7 +15,7 @@ impl Machine {
         &mut self,
         class: &str,
         name: &str,
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let value = match (class, name) {
             ("Math", "PI") => Value::Double(std::f64::consts::PI),
             ("Math", "E") => Value::Double(std::f64::consts::E),
@@ -49,7 +49,7 @@ impl Machine {
         class: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         self.check_usable(class)?;
         match self.library_static(class, name, arguments)? {
             Some(value) => Ok(Some(value)),
@@ -63,7 +63,7 @@ impl Machine {
         class: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(match class {
             "Math" | "StrictMath" => self.math(name, arguments)?,
             "Integer" | "Long" | "Double" | "Float" | "Boolean" | "Character" | "Short"
@@ -93,7 +93,7 @@ impl Machine {
         &mut self,
         class: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         self.check_usable(class)?;
         let first = arguments.first();
         let value = match class {
@@ -213,14 +213,18 @@ impl Machine {
     }
 
     /// Refuses a project class whose file cannot be used.
-    fn check_usable(&self, class: &str) -> Result<(), Stop> {
+    fn check_usable(&self, class: &str) -> Result<(), EvaluationStop> {
         match self.java.classes.faulty(class) {
             Some(error) => self.reject(format!("the class {class} cannot be used: {error}")),
             None => Ok(()),
         }
     }
 
-    fn of_system(&mut self, name: &str, arguments: &[Value]) -> Result<Option<Value>, Stop> {
+    fn of_system(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(Some(match (name, arguments) {
             ("currentTimeMillis" | "nanoTime", []) => self.unknown("the controller's clock"),
             ("lineSeparator", []) => Value::text("\n"),

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use crate::{
     machine::Machine,
-    stop::Stop,
-    text::{Text, double},
+    stop::EvaluationStop,
+    text::{JavaText, double},
     value::Value,
 };
 
@@ -57,7 +57,11 @@ impl<'o> Options<'o> {
 
 impl Machine {
     /// Evaluates `String.format`; unsupported conversions are refused.
-    pub(crate) fn formatted(&mut self, format: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    pub(crate) fn formatted(
+        &mut self,
+        format: &str,
+        arguments: &[Value],
+    ) -> Result<Value, EvaluationStop> {
         let mut text = String::new();
         let mut next = 0;
         let mut rest = format.chars().peekable();
@@ -99,7 +103,7 @@ impl Machine {
         conversion: char,
         written: &str,
         value: &Value,
-    ) -> Result<Text, Stop> {
+    ) -> Result<JavaText, EvaluationStop> {
         let options = Options::new(written);
         if let Value::Unknown(unknown) = value {
             return Ok(Err(Rc::clone(unknown)));

@@ -4,7 +4,7 @@ use std::{cell::RefCell, collections::BTreeSet, sync::Arc};
 
 use crate::{
     syntax::{Lambda, Reference},
-    value::{Code, Combined, Function, Value},
+    value::{Combined, Function, FunctionCode, Value},
 };
 
 /// Code of a function, for the effect search.
@@ -36,9 +36,9 @@ impl FunctionSyntax {
 impl Function {
     pub(crate) fn kind(&self) -> &'static str {
         match self.code {
-            Code::Lambda(..) => "a lambda expression",
-            Code::Reference(..) => "a method reference",
-            Code::Combined(_) => "a function of Java's library",
+            FunctionCode::Lambda(..) => "a lambda expression",
+            FunctionCode::Reference(..) => "a method reference",
+            FunctionCode::Combined(_) => "a function of Java's library",
         }
     }
 
@@ -46,8 +46,8 @@ impl Function {
     /// by one object.
     pub(crate) fn may_be_same(&self, other: &Self) -> bool {
         match (&self.code, &other.code) {
-            (Code::Lambda(a), Code::Lambda(b)) => Arc::ptr_eq(a, b),
-            (Code::Reference(a, _), Code::Reference(b, _)) => Arc::ptr_eq(a, b),
+            (FunctionCode::Lambda(a), FunctionCode::Lambda(b)) => Arc::ptr_eq(a, b),
+            (FunctionCode::Reference(a, _), FunctionCode::Reference(b, _)) => Arc::ptr_eq(a, b),
             _ => false,
         }
     }
@@ -56,9 +56,11 @@ impl Function {
     /// function.
     pub(crate) fn syntax(&self) -> Option<FunctionSyntax> {
         match &self.code {
-            Code::Lambda(lambda) => Some(FunctionSyntax::Lambda(Arc::clone(lambda))),
-            Code::Reference(reference, _) => Some(FunctionSyntax::Reference(Arc::clone(reference))),
-            Code::Combined(_) => None,
+            FunctionCode::Lambda(lambda) => Some(FunctionSyntax::Lambda(Arc::clone(lambda))),
+            FunctionCode::Reference(reference, _) => {
+                Some(FunctionSyntax::Reference(Arc::clone(reference)))
+            }
+            FunctionCode::Combined(_) => None,
         }
     }
 }

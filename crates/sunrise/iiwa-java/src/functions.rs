@@ -1,8 +1,8 @@
 //! Evaluation and calls of lambda expressions and method references (JLS 15.13, 15.27).
 //!
 //! The interface of a function is unknown until a variable, a parameter or a call determines it. A
-//! function with a project interface is an [`Object`], with the interface's default methods; with a
-//! Java library interface it remains a [`Function`].
+//! function with a project interface is a [`JavaObject`], with the interface's default methods;
+//! with a Java library interface it remains a [`Function`].
 
 use std::{
     cell::{OnceCell, RefCell},
@@ -19,12 +19,12 @@ use crate::{
     java_lists::REMOVE_ELEMENT,
     library_calls::class_of_value,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::{
         ClassKind, Expression, ExpressionKind, Lambda, Method, Reference, ReferenceTarget, TypeName,
     },
     type_names::is_primitive,
-    value::{Code, Function, Local, Object, Value},
+    value::{Function, FunctionCode, JavaObject, Local, Value},
 };
 
 /// Maximum depth of composed functions: running them takes stack for each level.
@@ -33,12 +33,15 @@ const MAX_LEVELS: usize = 1000;
 impl Machine {
     /// Evaluates a lambda expression.
     pub(crate) fn lambda(&mut self, lambda: &Arc<Lambda>) -> Value {
-        let code = Code::Lambda(Arc::clone(lambda));
+        let code = FunctionCode::Lambda(Arc::clone(lambda));
         self.new_function(lambda.line, code)
     }
 
     /// Evaluates a method reference.
-    pub(crate) fn reference(&mut self, reference: &Arc<Reference>) -> Result<Value, Stop> {
+    pub(crate) fn reference(
+        &mut self,
+        reference: &Arc<Reference>,
+    ) -> Result<Value, EvaluationStop> {
         let receiver = match &reference.target {
             ReferenceTarget::Type(_) => None,
             ReferenceTarget::Expression(expression) => match self.evaluated(expression)? {
@@ -50,18 +53,18 @@ impl Machine {
             },
         };
         self.place.line = reference.line;
-        let code = Code::Reference(Arc::clone(reference), receiver);
+        let code = FunctionCode::Reference(Arc::clone(reference), receiver);
         Ok(self.new_function(reference.line, code))
     }
 
-    pub(crate) fn new_function(&mut self, line: u32, code: Code) -> Value {
+    pub(crate) fn new_function(&mut self, line: u32, code: FunctionCode) -> Value {
         let activation = self.java.activation();
         let class = activation.map_or(ClassId(0), |activation| activation.class);
         let this = activation.and_then(|activation| activation.this.clone());
         let names = match &code {
-            Code::Lambda(lambda) => &lambda.names[..],
-            Code::Reference(reference, _) => &reference.names,
-            Code::Combined(_) => &[],
+            FunctionCode::Lambda(lambda) => &lambda.names[..],
+            FunctionCode::Reference(reference, _) => &reference.names,
+            FunctionCode::Combined(_) => &[],
         };
         let locals = activation.map_or(&[][..], |activation| &activation.locals).iter();
         let is_named = |local: &&Local| names.binary_search(&local.name).is_ok();
@@ -70,7 +73,7 @@ impl Machine {
             locals.clone().filter(is_named).any(|local| matches!(local.value, Value::Class(_)));
         let locals = locals.filter(|local| has_class || is_named(local)).cloned().collect();
         let depth = match &code {
-            Code::Combined(combined) => {
+            FunctionCode::Combined(combined) => {
                 1 + combined.parts().into_iter().map(depth).max().unwrap_or(0)
             }
             _ => 0,
@@ -113,7 +116,7 @@ impl Machine {
             if let Some(method) = method_name.or_else(foreign) {
                 self.implements(function, &method);
             }
-            return Value::Object(Rc::new(Object {
+            return Value::Object(Rc::new(JavaObject {
                 class,
                 fields: RefCell::default(),
                 outer: None,
@@ -187,7 +190,7 @@ impl Machine {
         function: &Value,
         as_interface: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let Some(interface) = interface(as_interface) else {
             return self.reject(format!("the interface {as_interface} is not known"));
         };
@@ -221,7 +224,7 @@ impl Machine {
         &self,
         interface: &Interface,
         arguments: &[Value],
-    ) -> Result<Vec<Value>, Stop> {
+    ) -> Result<Vec<Value>, EvaluationStop> {
         let pairs = arguments.iter().zip(interface.parameters);
         pairs
             .map(|(value, type_name)| {
@@ -236,7 +239,7 @@ impl Machine {
         function: &Rc<Function>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let Some(interface_type) = function.interface.get().cloned() else {
             // These methods have no argument or result whose type is needed.
             if arguments.is_empty() && matches!(name, "run" | "call" | "get") {
@@ -284,11 +287,11 @@ impl Machine {
     /// interface's method.
     pub(crate) fn of_function_object(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         function: &Rc<Function>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         if let Some((owner, method)) = self.abstract_method(object.class)
             && method.name == name
             && method.parameters.len() == arguments.len()
@@ -310,10 +313,10 @@ impl Machine {
         function: &Rc<Function>,
         arguments: &[Value],
         types: &[Option<TypeName>],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let this = function.this.clone();
         match &function.code {
-            Code::Lambda(lambda) => {
+            FunctionCode::Lambda(lambda) => {
                 if lambda.parameters.len() != arguments.len() {
                     return self.reject("a lambda expression gets another number of arguments");
                 }
@@ -328,7 +331,7 @@ impl Machine {
                 self.leave(from, &result);
                 result
             }
-            Code::Reference(reference, receiver) => {
+            FunctionCode::Reference(reference, receiver) => {
                 let name = reference.name.as_deref().unwrap_or("new");
                 let from = self.activate(function.class, this, name, function.line)?;
                 if let Some(activation) = self.java.activations.last_mut() {
@@ -338,7 +341,7 @@ impl Machine {
                 self.leave(from, &result);
                 result
             }
-            Code::Combined(combined) => self.run_combined(combined, arguments),
+            FunctionCode::Combined(combined) => self.run_combined(combined, arguments),
         }
     }
 
@@ -347,7 +350,7 @@ impl Machine {
         lambda: &Lambda,
         arguments: &[Value],
         types: &[Option<TypeName>],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         for (place, (parameter, value)) in lambda.parameters.iter().zip(arguments).enumerate() {
             let type_name = match parameter.type_name.name.as_str() {
                 "var" => types.get(place).cloned().flatten(),
@@ -371,7 +374,7 @@ impl Machine {
         receiver: Option<&Value>,
         arguments: &[Value],
         types: &[Option<TypeName>],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let Some(name) = &reference.name else {
             let ReferenceTarget::Type(type_name) = &reference.target else {
                 return self.reject("a constructor of no class");
@@ -430,7 +433,7 @@ impl Machine {
         &mut self,
         type_name: &TypeName,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if type_name.dimensions > 0 {
             return self.new_array(type_name, arguments);
         }

@@ -4,7 +4,7 @@ use std::{cell::RefCell, rc::Rc};
 
 use crate::{
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     type_names::is_primitive,
     unknown::Unknown,
     value::{Array, Combined, List, ListKind, StreamKind, Value, View},
@@ -21,7 +21,7 @@ impl Machine {
         receiver: &Value,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if let Some(unknown) = Self::unknown_contents(receiver) {
             return self.of_unknown_contents(receiver, name, arguments, unknown);
         }
@@ -112,7 +112,7 @@ impl Machine {
         name: &str,
         arguments: &[Value],
         unknown: Rc<Unknown>,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match (receiver, name, arguments) {
             (Value::Builder(text), "setLength", [Value::Int(0)]) => {
                 self.java.changes += 1;
@@ -171,7 +171,7 @@ impl Machine {
         cell: &Rc<RefCell<Value>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let old = cell.borrow().clone();
         let (new, is_old) = match (name, arguments) {
             ("get" | "intValue", []) => return Ok(Some(old)),
@@ -187,7 +187,7 @@ impl Machine {
         Ok(Some(if is_old { old } else { new }))
     }
 
-    fn sum(&mut self, value: &Value, by: i32) -> Result<Value, Stop> {
+    fn sum(&mut self, value: &Value, by: i32) -> Result<Value, EvaluationStop> {
         self.binary(crate::syntax::BinaryOperator::Add, value, &Value::Int(by))
     }
 
@@ -198,7 +198,7 @@ impl Machine {
         class: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         if class != "Collections" {
             return self.of_arrays(class, name, arguments);
         }
@@ -215,7 +215,7 @@ impl Machine {
         class: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(Some(match (class, name, arguments) {
             ("Arrays", "asList", [Value::Array(array)]) if !is_primitive(&array.element) => {
                 let values = array.values.borrow().clone();
@@ -317,7 +317,11 @@ impl Machine {
     }
 
     /// Calls a method of `Collections` that orders or replaces elements.
-    fn reordered(&mut self, name: &str, arguments: &[Value]) -> Result<Option<Value>, Stop> {
+    fn reordered(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(Some(match (name, arguments) {
             ("sort", [Value::List(list), rest @ ..]) => {
                 let values = list.borrow().clone();
@@ -381,7 +385,7 @@ impl Machine {
         &mut self,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(Some(match (name, arguments) {
             ("reverseOrder", []) => self.reverse_order(),
             ("reverseOrder", [comparator]) if !matches!(comparator, Value::Null) => {
@@ -429,7 +433,7 @@ impl Machine {
         begin: usize,
         end: usize,
         comparator: Option<&Value>,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let part = array.values.borrow().get(begin..end).map(<[Value]>::to_vec);
         let Some(part) = part else {
             return self.throw("IllegalArgumentException", "of a range of an array");

@@ -4,7 +4,7 @@ use std::{cell::RefCell, rc::Rc};
 
 use crate::{
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     value::{Collector, Map, Value},
 };
 
@@ -35,7 +35,7 @@ impl Machine {
         &mut self,
         values: Vec<Value>,
         collector: &Collector,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let new_map = |is_set| Value::Map(Rc::new(RefCell::new(Map { is_set, ..Map::default() })));
         match collector {
             Collector::List => Ok(Value::list(values)),
@@ -89,7 +89,7 @@ impl Machine {
         &mut self,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let value = match (name, arguments) {
             ("empty", []) | ("ofNullable", [Value::Null]) => None,
             (_, [unknown @ Value::Unknown(_)]) => return Ok(Some(unknown.clone())),
@@ -108,7 +108,7 @@ impl Machine {
         optional: &Rc<Option<Value>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let value = (**optional).clone();
         let same = || Value::Optional(Rc::clone(optional));
         let empty = || Value::Optional(Rc::new(None));

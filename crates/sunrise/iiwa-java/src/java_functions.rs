@@ -6,7 +6,7 @@ use std::{cell::RefCell, rc::Rc};
 use crate::{
     java_lists::CHANGED_MEANWHILE,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     type_names::is_primitive,
     unknown::Unknown,
     value::{Array, List, Map, Value},
@@ -19,7 +19,7 @@ impl Machine {
         receiver: &Value,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let Some(function) = arguments.last() else { return Ok(None) };
         if !matches!(function, Value::Function(_) | Value::Object(_)) {
             return Ok(None);
@@ -83,7 +83,7 @@ impl Machine {
         &mut self,
         receiver: &Value,
         function: &Value,
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let Some(values) = Self::iterated(receiver) else { return Ok(None) };
         let begin = Self::structure(receiver);
         for (place, value) in values.into_iter().enumerate() {
@@ -102,7 +102,7 @@ impl Machine {
         receiver: &Value,
         map: &Rc<RefCell<Map>>,
         function: &Value,
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let Some(entries) = Self::ordered_entries(map) else { return Ok(None) };
         let begin = Self::structure(receiver);
         for (key, value) in entries {
@@ -121,7 +121,7 @@ impl Machine {
         receiver: &Value,
         values: Vec<Value>,
         predicate: &Value,
-    ) -> Result<Result<Vec<Value>, Rc<Unknown>>, Stop> {
+    ) -> Result<Result<Vec<Value>, Rc<Unknown>>, EvaluationStop> {
         let begin = Self::structure(receiver);
         let mut kept = Vec::new();
         for value in values {
@@ -141,7 +141,11 @@ impl Machine {
         Ok(Ok(kept))
     }
 
-    fn replace_all(&mut self, list: &Rc<List>, function: &Value) -> Result<Option<Value>, Stop> {
+    fn replace_all(
+        &mut self,
+        list: &Rc<List>,
+        function: &Value,
+    ) -> Result<Option<Value>, EvaluationStop> {
         let receiver = Value::List(Rc::clone(list));
         let begin = Self::structure(&receiver);
         let length = list.borrow().len();
@@ -165,7 +169,7 @@ impl Machine {
         map: &Rc<RefCell<Map>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         if let ("replaceAll", [function]) = (name, arguments) {
             let Some(entries) = Self::ordered_entries(map) else { return Ok(None) };
             for (key, value) in entries {
@@ -224,7 +228,7 @@ impl Machine {
         cell: &Rc<RefCell<Value>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let old = cell.borrow().clone();
         let kind = match old {
             Value::Int(_) => "Int",
@@ -253,7 +257,11 @@ impl Machine {
     }
 
     /// Evaluates `Arrays.setAll`.
-    pub(crate) fn set_all(&mut self, array: &Rc<Array>, function: &Value) -> Result<Value, Stop> {
+    pub(crate) fn set_all(
+        &mut self,
+        array: &Rc<Array>,
+        function: &Value,
+    ) -> Result<Value, EvaluationStop> {
         let interface = match array.element.name.as_str() {
             "int" => "IntUnaryOperator",
             "long" => "IntToLongFunction",

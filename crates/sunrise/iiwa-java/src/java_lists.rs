@@ -5,7 +5,7 @@ use std::{cell::RefCell, rc::Rc};
 use crate::{
     java_collections::MAX_ELEMENTS,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     value::{Array, Iteration, List, ListKind, MapPart, Value, View},
 };
 
@@ -47,7 +47,7 @@ impl Machine {
     }
 
     /// Writes a change of a list view back to its source.
-    fn write_back(&mut self, list: &Rc<List>) -> Result<(), Stop> {
+    fn write_back(&mut self, list: &Rc<List>) -> Result<(), EvaluationStop> {
         let view = list.view.borrow().clone();
         match view {
             None | Some(View::Whole(_)) => {}
@@ -84,7 +84,7 @@ impl Machine {
         &mut self,
         list: &Rc<List>,
         values: Vec<Value>,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         self.check_changeable(list)?;
         self.java.changes += 1;
         list.count_change();
@@ -93,7 +93,7 @@ impl Machine {
     }
 
     /// Throws if a list is immutable.
-    fn check_changeable(&self, list: &List) -> Result<(), Stop> {
+    fn check_changeable(&self, list: &List) -> Result<(), EvaluationStop> {
         if list.is_immutable() {
             return self.throw("UnsupportedOperationException", "the list cannot be changed");
         }
@@ -106,7 +106,7 @@ impl Machine {
         list: &Rc<List>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         if list.borrow().len() > MAX_ELEMENTS {
             return self.reject("a list has more than a million elements");
         }
@@ -134,7 +134,7 @@ impl Machine {
         list: &Rc<List>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let length = list.borrow().len();
         let count = |number: usize| Value::Int(i32::try_from(number).unwrap_or(i32::MAX));
         let values = || list.borrow().clone();
@@ -223,7 +223,7 @@ impl Machine {
         list: &Rc<List>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<(Value, bool)>, Stop> {
+    ) -> Result<Option<(Value, bool)>, EvaluationStop> {
         let length = list.borrow().len();
         let value = match (name, arguments) {
             ("add" | "offer" | "offerLast", [value]) => {
@@ -298,7 +298,7 @@ impl Machine {
         list: &Rc<List>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<(Value, bool)>, Stop> {
+    ) -> Result<Option<(Value, bool)>, EvaluationStop> {
         let length = list.borrow().len();
         // A stack is accessed at its end, other lists at the beginning.
         let top = if list.kind == ListKind::Stack { length.saturating_sub(1) } else { 0 };
@@ -356,7 +356,7 @@ impl Machine {
         &mut self,
         list: &Rc<List>,
         value: &Value,
-    ) -> Result<Option<(Value, bool)>, Stop> {
+    ) -> Result<Option<(Value, bool)>, EvaluationStop> {
         let values = list.borrow().clone();
         Ok(Some(match self.place_of(&values, value)? {
             Ok(Some(place)) => {
@@ -378,7 +378,7 @@ impl Machine {
         list: &Rc<List>,
         others: &Value,
         keeps: bool,
-    ) -> Result<Option<(Value, bool)>, Stop> {
+    ) -> Result<Option<(Value, bool)>, EvaluationStop> {
         let Some(others) = Self::iterated(others) else { return Ok(None) };
         let values = list.borrow().clone();
         let mut kept = Vec::new();
@@ -398,7 +398,7 @@ impl Machine {
     }
 
     /// Throws the exception of an access to an empty list.
-    fn empty_list<T>(&self) -> Result<T, Stop> {
+    fn empty_list<T>(&self) -> Result<T, EvaluationStop> {
         self.throw("NoSuchElementException", "a list is empty")
     }
 
@@ -408,7 +408,7 @@ impl Machine {
         iteration: &Rc<RefCell<Iteration>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let (list, next, last, known) = {
             let iteration = iteration.borrow();
             (Rc::clone(&iteration.list), iteration.next, iteration.last, iteration.structure)

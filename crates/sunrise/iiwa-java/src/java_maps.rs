@@ -7,7 +7,7 @@ use crate::{
     java_lists::set_iterator,
     java_sorting::{Known, natural},
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     unknown::Unknown,
     value::{List, Map, MapOrder, MapPart, Value, View},
 };
@@ -20,7 +20,7 @@ impl Machine {
         set: &Rc<RefCell<Map>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(Some(match (name, arguments) {
             ("add", [key]) => match self.key_place(set, key)? {
                 Ok(place) => {
@@ -109,7 +109,7 @@ impl Machine {
         map: &Rc<RefCell<Map>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let length = map.borrow().entries.len();
         Ok(Some(match (name, arguments) {
             ("size", []) => Value::Int(i32::try_from(length).unwrap_or(i32::MAX)),
@@ -250,7 +250,7 @@ impl Machine {
         &mut self,
         map: &Rc<RefCell<Map>>,
         key: &Value,
-    ) -> Result<Known<Option<usize>>, Stop> {
+    ) -> Result<Known<Option<usize>>, EvaluationStop> {
         let is_plain = |value: &Value| {
             matches!(
                 value,

@@ -2,11 +2,15 @@
 
 use std::cmp::Ordering;
 
-use crate::{machine::Machine, stop::Stop, syntax::TypeName, value::Value};
+use crate::{machine::Machine, stop::EvaluationStop, syntax::TypeName, value::Value};
 
 impl Machine {
     /// Evaluates `Math.name(...)`; `None` if it is not modelled.
-    pub(crate) fn math(&mut self, name: &str, arguments: &[Value]) -> Result<Option<Value>, Stop> {
+    pub(crate) fn math(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, EvaluationStop> {
         if name == "random" {
             return Ok(Some(self.unknown("a random number")));
         }
@@ -101,7 +105,7 @@ impl Machine {
         Ok(Some(Value::Double(result)))
     }
 
-    fn absolute(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
+    fn absolute(&mut self, arguments: &[Value]) -> Result<Value, EvaluationStop> {
         Ok(match arguments {
             [Value::Int(value)] => Value::Int(value.wrapping_abs()),
             [Value::Long(value)] => Value::Long(value.wrapping_abs()),
@@ -118,7 +122,7 @@ impl Machine {
         class: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let unboxed = match class {
             "Integer" => "int",
             "Character" => "char",
@@ -198,7 +202,7 @@ impl Machine {
         }))
     }
 
-    fn parsed(&mut self, wanted: &str, text: &str) -> Result<Value, Stop> {
+    fn parsed(&mut self, wanted: &str, text: &str) -> Result<Value, EvaluationStop> {
         let value = match wanted {
             "boolean" => Some(Value::Boolean(text.eq_ignore_ascii_case("true"))),
             "double" | "float" => {
@@ -229,7 +233,7 @@ impl Machine {
         }
     }
 
-    fn no_number<T>(&self, text: &str) -> Result<T, Stop> {
+    fn no_number<T>(&self, text: &str) -> Result<T, EvaluationStop> {
         self.throw("NumberFormatException", format!("For input string: \"{text}\""))
     }
 }

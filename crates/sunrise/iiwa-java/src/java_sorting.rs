@@ -6,10 +6,10 @@ use crate::{
     effects::Effects,
     expressions::may_be_same,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::ClassKind,
     unknown::Unknown,
-    value::{Object, Value},
+    value::{JavaObject, Value},
     variables::fields,
 };
 
@@ -29,7 +29,7 @@ pub(crate) fn compare_texts(a: &str, b: &str) -> i32 {
     }
 }
 
-fn ordinal(object: &Object) -> Option<i32> {
+fn ordinal(object: &JavaObject) -> Option<i32> {
     object.constant.as_ref().map(|(_, ordinal)| *ordinal)
 }
 
@@ -53,7 +53,7 @@ impl Machine {
         comparator: Option<&Value>,
         a: &Value,
         b: &Value,
-    ) -> Result<Known<Ordering>, Stop> {
+    ) -> Result<Known<Ordering>, EvaluationStop> {
         for value in [a, b] {
             if let Value::Unknown(unknown) = value {
                 return Ok(Err(Rc::clone(unknown)));
@@ -89,7 +89,7 @@ impl Machine {
         &mut self,
         values: Vec<Value>,
         comparator: Option<&Value>,
-    ) -> Result<Known<Vec<Value>>, Stop> {
+    ) -> Result<Known<Vec<Value>>, EvaluationStop> {
         let comparator = comparator.filter(|comparator| !matches!(comparator, Value::Null));
         let effects = match comparator {
             Some(comparator) => self.effects_of_function(comparator, "compare"),
@@ -117,7 +117,7 @@ impl Machine {
         comparator: Option<&Value>,
         is_max: bool,
         is_candidate_first: bool,
-    ) -> Result<Known<Option<Value>>, Stop> {
+    ) -> Result<Known<Option<Value>>, EvaluationStop> {
         let wanted = if is_max == is_candidate_first { Ordering::Less } else { Ordering::Greater };
         let mut values = values.into_iter();
         let Some(mut candidate) = values.next() else { return Ok(Ok(None)) };
@@ -139,7 +139,7 @@ impl Machine {
         &mut self,
         mut values: Vec<Value>,
         comparator: Option<&Value>,
-    ) -> Result<Known<Vec<Value>>, Stop> {
+    ) -> Result<Known<Vec<Value>>, EvaluationStop> {
         if values.len() < 2 {
             return Ok(Ok(values));
         }
@@ -164,7 +164,11 @@ impl Machine {
     }
 
     /// Evaluates `a.equals(b)` for elements.
-    pub(crate) fn are_equal(&mut self, a: &Value, b: &Value) -> Result<Known<bool>, Stop> {
+    pub(crate) fn are_equal(
+        &mut self,
+        a: &Value,
+        b: &Value,
+    ) -> Result<Known<bool>, EvaluationStop> {
         for value in [a, b] {
             if let Some(unknown) =
                 value.unknown().cloned().or_else(|| Self::unknown_contents(value))
@@ -219,7 +223,11 @@ impl Machine {
 
     /// Compares objects without a project `equals`: records by their components, others by
     /// identity.
-    pub(crate) fn are_equal_records(&mut self, a: &Value, b: &Value) -> Result<Known<bool>, Stop> {
+    pub(crate) fn are_equal_records(
+        &mut self,
+        a: &Value,
+        b: &Value,
+    ) -> Result<Known<bool>, EvaluationStop> {
         let (Value::Object(first), Value::Object(second)) = (a, b) else { return Ok(Ok(false)) };
         let class = std::sync::Arc::clone(&self.java.classes.known(first.class).class);
         if a.is_same(b) || first.class != second.class || class.kind != ClassKind::Record {
@@ -242,7 +250,7 @@ impl Machine {
         &mut self,
         values: &[Value],
         value: &Value,
-    ) -> Result<Known<Option<usize>>, Stop> {
+    ) -> Result<Known<Option<usize>>, EvaluationStop> {
         for (place, other) in values.iter().enumerate() {
             match self.are_equal(value, other)? {
                 Ok(true) => return Ok(Ok(Some(place))),

@@ -12,7 +12,7 @@ use crate::{
     effects::Effects,
     function::KnownFunction,
     syntax::{Lambda, TypeName, TypeParameter},
-    value::{Local, Object, Value},
+    value::{JavaObject, Local, Value},
 };
 
 /// Maximum number of statements of an application.
@@ -39,7 +39,7 @@ pub(crate) struct JavaState {
     /// Evaluated lambda expressions and method references, by memory address.
     pub(crate) functions: HashMap<usize, KnownFunction>,
     /// All objects, to mark their contents as unknown.
-    pub(crate) objects: Vec<Weak<Object>>,
+    pub(crate) objects: Vec<Weak<JavaObject>>,
     /// Number of assignments that changed state which outlives an iteration of the innermost loop.
     pub(crate) changes: u64,
     /// Name and argument types of a call while its method is being resolved.
@@ -52,7 +52,7 @@ pub(crate) struct JavaState {
 pub(crate) struct Activation {
     /// Class that contains the code.
     pub(crate) class: ClassId,
-    pub(crate) this: Option<Rc<Object>>,
+    pub(crate) this: Option<Rc<JavaObject>>,
     pub(crate) locals: Vec<Local>,
     /// Name of the method.
     pub(crate) method: String,

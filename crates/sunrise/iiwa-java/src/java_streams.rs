@@ -8,15 +8,15 @@ use crate::{
     java_lists::CHANGED_MEANWHILE,
     java_sorting::Known,
     machine::Machine,
-    stop::Stop,
-    value::{List, ListKind, Stage, Stream, StreamKind, Value},
+    stop::EvaluationStop,
+    value::{JavaStream, List, ListKind, StreamKind, StreamStage, Value},
 };
 
 /// Continuation of a pipeline after an element, or the reason why it is unknown.
 type Flowed = Known<bool>;
 
 /// End of a pipeline.
-type Sink<'s> = dyn FnMut(&mut Machine, Value) -> Result<Flowed, Stop> + 's;
+type StreamEnd<'s> = dyn FnMut(&mut Machine, Value) -> Result<Flowed, EvaluationStop> + 's;
 
 /// Terminal operations that need only the elements.
 const ENDS: [&str; 10] = [
@@ -36,7 +36,7 @@ impl Machine {
     /// Evaluates `list.stream()`.
     pub(crate) fn stream_of(kind: StreamKind, source: Value) -> Value {
         let stages = Vec::new();
-        Value::Stream(Rc::new(Stream { kind, source, stages, is_used: Cell::new(false) }))
+        Value::Stream(Rc::new(JavaStream { kind, source, stages, is_used: Cell::new(false) }))
     }
 
     /// Evaluates a static method of `Stream`, `IntStream` and similar classes; `None` if it is not
@@ -46,7 +46,7 @@ impl Machine {
         class: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let kind = match class {
             "IntStream" => StreamKind::Int,
             "LongStream" => StreamKind::Long,
@@ -79,10 +79,10 @@ impl Machine {
     /// Calls a method of a stream; `None` if it is not modelled.
     pub(crate) fn of_stream(
         &mut self,
-        stream: &Rc<Stream>,
+        stream: &Rc<JavaStream>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         if stream.is_used.replace(true) {
             return self.throw("IllegalStateException", "a stream is used again");
         }
@@ -90,17 +90,17 @@ impl Machine {
             let mut stages = stream.stages.clone();
             stages.push(stage);
             let (source, is_used) = (stream.source.clone(), Cell::new(false));
-            return Ok(Some(Value::Stream(Rc::new(Stream { kind, source, stages, is_used }))));
+            return Ok(Some(Value::Stream(Rc::new(JavaStream { kind, source, stages, is_used }))));
         }
         // Since Java 9, `count` runs no functions if the number of elements is known without them.
         let is_count_known = name == "count"
-            && stream.stages.iter().all(Stage::keeps_count)
+            && stream.stages.iter().all(StreamStage::keeps_count)
             && stream.stages.iter().any(|stage| stage.function().is_some());
         let result = if is_count_known { None } else { self.ended(stream, name, arguments)? };
         let result = result.unwrap_or_else(|| self.unmodelled_result(name, " of a stream"));
         if result.unknown().is_some() {
             // Functions may have been run for other elements, too.
-            let functions = stream.stages.iter().filter_map(Stage::function);
+            let functions = stream.stages.iter().filter_map(StreamStage::function);
             let functions: Vec<_> = functions.chain(arguments).cloned().collect();
             self.after_unmodelled(None, name, &functions, &result)?;
         }
@@ -108,7 +108,11 @@ impl Machine {
     }
 
     /// Passes the elements of a stream to a sink, one by one.
-    fn flow(&mut self, stream: &Stream, sink: &mut Sink<'_>) -> Result<Flowed, Stop> {
+    fn flow(
+        &mut self,
+        stream: &JavaStream,
+        sink: &mut StreamEnd<'_>,
+    ) -> Result<Flowed, EvaluationStop> {
         let source = stream.source.clone();
         self.refresh(&source);
         if let Some(unknown) = Self::unknown_contents(&source) {
@@ -134,12 +138,12 @@ impl Machine {
     fn flow_through(
         &mut self,
         values: Vec<Value>,
-        stages: &[Stage],
-        sink: &mut Sink<'_>,
-    ) -> Result<Flowed, Stop> {
-        let barrier = stages.iter().position(|stage| matches!(stage, Stage::Sorted(_)));
+        stages: &[StreamStage],
+        sink: &mut StreamEnd<'_>,
+    ) -> Result<Flowed, EvaluationStop> {
+        let barrier = stages.iter().position(|stage| matches!(stage, StreamStage::Sorted(_)));
         if let Some(place) = barrier
-            && let Stage::Sorted(comparator) = &stages[place]
+            && let StreamStage::Sorted(comparator) = &stages[place]
         {
             let mut before = Vec::new();
             let flowed = self.flow_through(values, &stages[..place], &mut |_, value| {
@@ -156,7 +160,7 @@ impl Machine {
         }
         let mut counts = vec![0; stages.len()];
         let mut seen = vec![Vec::new(); stages.len()];
-        if stages.iter().any(|stage| matches!(stage, Stage::Limit(0))) {
+        if stages.iter().any(|stage| matches!(stage, StreamStage::Limit(0))) {
             return Ok(Ok(true));
         }
         for value in values {
@@ -169,7 +173,7 @@ impl Machine {
             let is_full = stages
                 .iter()
                 .zip(&counts)
-                .any(|(stage, count)| matches!(stage, Stage::Limit(limit) if count >= limit));
+                .any(|(stage, count)| matches!(stage, StreamStage::Limit(limit) if count >= limit));
             if is_full || !matches!(flowed, Ok(true)) {
                 return Ok(flowed);
             }
@@ -181,41 +185,41 @@ impl Machine {
     fn passed_through(
         &mut self,
         value: Value,
-        stages: &[Stage],
+        stages: &[StreamStage],
         counts: &mut [usize],
         seen: &mut [Vec<Value>],
-    ) -> Result<Known<Option<Value>>, Stop> {
+    ) -> Result<Known<Option<Value>>, EvaluationStop> {
         let mut value = value;
         self.count_step()?;
         for (place, stage) in stages.iter().enumerate() {
             match stage {
-                Stage::Map(function, interface) => {
+                StreamStage::Map(function, interface) => {
                     value = self.apply(function, interface, &[value])?;
                 }
-                Stage::Filter(function, interface) => {
+                StreamStage::Filter(function, interface) => {
                     match self.apply(function, interface, std::slice::from_ref(&value))? {
                         Value::Boolean(true) => {}
                         Value::Unknown(unknown) => return Ok(Err(unknown)),
                         _ => return Ok(Ok(None)),
                     }
                 }
-                Stage::Peek(function, interface) => {
+                StreamStage::Peek(function, interface) => {
                     self.apply(function, interface, std::slice::from_ref(&value))?;
                 }
-                Stage::Convert(kind) => value = kind.converted(value),
-                Stage::Limit(_) => counts[place] += 1,
-                Stage::Skip(count) => {
+                StreamStage::Convert(kind) => value = kind.converted(value),
+                StreamStage::Limit(_) => counts[place] += 1,
+                StreamStage::Skip(count) => {
                     counts[place] += 1;
                     if counts[place] <= *count {
                         return Ok(Ok(None));
                     }
                 }
-                Stage::Distinct => match self.place_of(&seen[place], &value)? {
+                StreamStage::Distinct => match self.place_of(&seen[place], &value)? {
                     Ok(None) => seen[place].push(value.clone()),
                     Ok(Some(_)) => return Ok(Ok(None)),
                     Err(unknown) => return Ok(Err(unknown)),
                 },
-                Stage::Sorted(_) => {}
+                StreamStage::Sorted(_) => {}
             }
         }
         Ok(Ok(Some(value)))
@@ -224,10 +228,10 @@ impl Machine {
     /// Evaluates a terminal operation; `None` if it is not modelled.
     fn ended(
         &mut self,
-        stream: &Stream,
+        stream: &JavaStream,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let kind = stream.kind;
         let prefix = kind.prefix();
         if let ("forEach" | "forEachOrdered", [f @ (Value::Function(_) | Value::Object(_))]) =
@@ -296,7 +300,7 @@ impl Machine {
         values: Vec<Value>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let prefix = kind.prefix();
         let count = i64::try_from(values.len()).unwrap_or(i64::MAX);
         let optional = |value: Option<Value>| Value::Optional(Rc::new(value));
@@ -358,7 +362,7 @@ impl Machine {
 
 /// Returns an intermediate operation, and the kind of the resulting stream; `None` for other
 /// methods.
-fn stage(kind: StreamKind, name: &str, arguments: &[Value]) -> Option<(StreamKind, Stage)> {
+fn stage(kind: StreamKind, name: &str, arguments: &[Value]) -> Option<(StreamKind, StreamStage)> {
     let is_function = |value: &Value| matches!(value, Value::Function(_) | Value::Object(_));
     let prefix = kind.prefix();
     let map = |to: StreamKind, function: &Value| {
@@ -369,7 +373,7 @@ fn stage(kind: StreamKind, name: &str, arguments: &[Value]) -> Option<(StreamKin
             (_, StreamKind::Object) => format!("{prefix}Function"),
             (_, to) => format!("{prefix}To{}Function", to.prefix()),
         };
-        (to, Stage::Map(function.clone(), Rc::from(interface)))
+        (to, StreamStage::Map(function.clone(), Rc::from(interface)))
     };
     Some(match (name, arguments) {
         ("map", [f]) if is_function(f) => map(kind, f),
@@ -377,23 +381,23 @@ fn stage(kind: StreamKind, name: &str, arguments: &[Value]) -> Option<(StreamKin
         ("mapToLong", [f]) if is_function(f) => map(StreamKind::Long, f),
         ("mapToDouble", [f]) if is_function(f) => map(StreamKind::Double, f),
         ("mapToObj", [f]) if is_function(f) => map(StreamKind::Object, f),
-        ("boxed", []) => (StreamKind::Object, Stage::Convert(kind)),
-        ("asDoubleStream", []) => (StreamKind::Double, Stage::Convert(StreamKind::Double)),
-        ("asLongStream", []) => (StreamKind::Long, Stage::Convert(StreamKind::Long)),
+        ("boxed", []) => (StreamKind::Object, StreamStage::Convert(kind)),
+        ("asDoubleStream", []) => (StreamKind::Double, StreamStage::Convert(StreamKind::Double)),
+        ("asLongStream", []) => (StreamKind::Long, StreamStage::Convert(StreamKind::Long)),
         ("filter", [f]) if is_function(f) => {
-            (kind, Stage::Filter(f.clone(), Rc::from(format!("{prefix}Predicate"))))
+            (kind, StreamStage::Filter(f.clone(), Rc::from(format!("{prefix}Predicate"))))
         }
         ("peek", [f]) if is_function(f) => {
-            (kind, Stage::Peek(f.clone(), Rc::from(format!("{prefix}Consumer"))))
+            (kind, StreamStage::Peek(f.clone(), Rc::from(format!("{prefix}Consumer"))))
         }
-        ("limit", [Value::Int(count)]) => (kind, Stage::Limit(usize::try_from(*count).ok()?)),
-        ("skip", [Value::Int(count)]) => (kind, Stage::Skip(usize::try_from(*count).ok()?)),
-        ("sorted", []) => (kind, Stage::Sorted(None)),
+        ("limit", [Value::Int(count)]) => (kind, StreamStage::Limit(usize::try_from(*count).ok()?)),
+        ("skip", [Value::Int(count)]) => (kind, StreamStage::Skip(usize::try_from(*count).ok()?)),
+        ("sorted", []) => (kind, StreamStage::Sorted(None)),
         ("sorted", [comparator]) if is_function(comparator) => {
-            (kind, Stage::Sorted(Some(comparator.clone())))
+            (kind, StreamStage::Sorted(Some(comparator.clone())))
         }
-        ("distinct", []) => (kind, Stage::Distinct),
-        ("sequential" | "parallel" | "unordered", []) => (kind, Stage::Convert(kind)),
+        ("distinct", []) => (kind, StreamStage::Distinct),
+        ("sequential" | "parallel" | "unordered", []) => (kind, StreamStage::Convert(kind)),
         _ => return None,
     })
 }

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::{
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     value::{Array, Value},
 };
 
@@ -17,7 +17,7 @@ impl Machine {
         &mut self,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(Some(match (name, arguments) {
             ("valueOf" | "copyValueOf", [Value::Array(array)]) if array.element.name == "char" => {
                 return Ok(Some(characters(array)));
@@ -65,7 +65,7 @@ impl Machine {
         text: &Rc<str>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let units = || text.encode_utf16().collect::<Vec<u16>>();
         let count = |length: usize| Value::Int(i32::try_from(length).unwrap_or(i32::MAX));
         Ok(Some(match (name, arguments) {
@@ -154,7 +154,7 @@ impl Machine {
         units: &[u16],
         begin: &Value,
         end: Option<&Value>,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let begin = self.index(begin, units.len() + 1)?;
         let end = match end {
             Some(end) => self.index(end, units.len() + 1)?,
@@ -192,7 +192,7 @@ impl Machine {
         receiver: &Value,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let Value::Builder(builder) = receiver else { return Ok(None) };
         let text = match &*builder.borrow() {
             Ok(text) => text.clone(),
@@ -288,7 +288,12 @@ impl Machine {
     }
 
     /// Returns the end of a builder range, at most the builder's length.
-    fn builder_end(&mut self, begin: usize, end: &Value, length: usize) -> Result<usize, Stop> {
+    fn builder_end(
+        &mut self,
+        begin: usize,
+        end: &Value,
+        length: usize,
+    ) -> Result<usize, EvaluationStop> {
         let end = end.integer().and_then(|end| usize::try_from(end).ok()).unwrap_or(0).min(length);
         if end < begin {
             return self.throw(

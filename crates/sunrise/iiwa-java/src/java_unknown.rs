@@ -4,9 +4,9 @@ use std::rc::Rc;
 
 use crate::{
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     unknown::Unknown,
-    value::{Stage, Value, View},
+    value::{StreamStage, Value, View},
 };
 
 /// Library methods that change nothing, but whose results are unknown.
@@ -93,7 +93,7 @@ impl Machine {
         receiver: &Value,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let result = self.unmodelled_result(name, &format!(" of {}", receiver.kind()));
         self.after_unmodelled(Some(receiver), name, arguments, &result)?;
         Ok(result)
@@ -106,7 +106,7 @@ impl Machine {
         name: &str,
         arguments: &[Value],
         result: &Value,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         self.check_not_run(name, arguments)?;
         let (false, Value::Unknown(unknown)) = (READING.contains(&name), result) else {
             return Ok(());
@@ -116,7 +116,7 @@ impl Machine {
                 Value::Object(object) => self.may_be_called(object, name, unknown)?,
                 Value::Function(_) => self.may_be_run(value, name, unknown)?,
                 Value::Stream(stream) => {
-                    for function in stream.stages.iter().filter_map(Stage::function) {
+                    for function in stream.stages.iter().filter_map(StreamStage::function) {
                         self.may_be_run(function, name, unknown)?;
                     }
                 }
@@ -127,7 +127,11 @@ impl Machine {
     }
 
     /// Refuses methods that would run code which is not evaluated.
-    pub(crate) fn check_not_run(&self, name: &str, arguments: &[Value]) -> Result<(), Stop> {
+    pub(crate) fn check_not_run(
+        &self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<(), EvaluationStop> {
         let is_code = |unknown: &&Rc<Unknown>| {
             unknown.reason.contains("lambda expression")
                 || unknown.reason.contains("method reference")
@@ -146,7 +150,7 @@ impl Machine {
         function: &Value,
         name: &str,
         unknown: &Rc<Unknown>,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         let effects = self.effects_of_function(function, "");
         if RUNNING.contains(&name) || effects.acts() {
             let acts = self.host.acts();
@@ -164,10 +168,10 @@ impl Machine {
     /// refuses the call.
     fn may_be_called(
         &mut self,
-        object: &Rc<crate::value::Object>,
+        object: &Rc<crate::value::JavaObject>,
         name: &str,
         unknown: &Rc<Unknown>,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         if let Some(function) = &object.function {
             return self.may_be_run(&Value::Function(Rc::clone(function)), name, unknown);
         }

@@ -1,11 +1,11 @@
 //! Java of robot programs, read and evaluated without the robot.
 //!
-//! [`read()`] parses a source file into a [`Unit`], [`Classes`] resolve the names of a project's
-//! classes, and a [`Machine`] evaluates them: fields, locals, methods, inheritance, arrays,
-//! collections, loops, exceptions. A value unknown before run time, such as the time of day, is an
-//! unknown [`Value`] with a reason; it is an error only if the program's actions depend on it.
-//! Classes outside the project and the Java library belong to a [`Host`], which also defines the
-//! actions. Steps, depth and memory are bounded.
+//! [`read()`] parses a source file into a [`CompilationUnit`], [`Classes`] resolve the names of a
+//! project's classes, and a [`Machine`] evaluates them: fields, locals, methods, inheritance,
+//! arrays, collections, loops, exceptions. A value unknown before run time, such as the time of
+//! day, is an unknown [`Value`] with a reason; it is an error only if the program's actions depend
+//! on it. Classes outside the project and the Java library belong to a [`Host`], which also defines
+//! the actions. Steps, depth and memory are bounded.
 //!
 //! Threads and reflection are not evaluated.
 
@@ -66,15 +66,16 @@ mod variables;
 pub use class_id::ClassId;
 pub use classes::{ClassName, Classes};
 pub use host_value::HostValue;
-pub use machine::{Host, Machine, Note, Progress};
-pub use place::Place;
+pub use machine::{Host, HostCounts, Machine, Note};
+pub use place::SourceLine;
 pub use read::read;
 pub use source_error::{SourceError, SourceFault};
 pub use source_text::decode;
-pub use stop::{Refusal, Stop};
-pub use syntax::Unit;
+pub use stop::{EvaluationStop, JavaRefusal};
+pub use syntax::CompilationUnit;
 pub use tasks::TaskEffects;
 pub use unknown::Unknown;
 pub use value::{
-    Array, Collector, Function, Iteration, List, Map, MapOrder, Object, Stream, Thrown, Value,
+    Array, Collector, Function, Iteration, JavaObject, JavaStream, List, Map, MapOrder, Thrown,
+    Value,
 };

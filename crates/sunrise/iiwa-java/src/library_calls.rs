@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::{
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::TypeName,
     type_names::{is_primitive, unboxed},
     value::{Thrown, Value},
@@ -17,14 +17,17 @@ impl Machine {
         receiver: &Value,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let result = self.library_method(receiver, name, arguments);
         Self::with_class_of_index(receiver, result)
     }
 
     /// Sets the exception class of an invalid index, which differs between arrays, lists and
     /// strings.
-    fn with_class_of_index(receiver: &Value, result: Result<Value, Stop>) -> Result<Value, Stop> {
+    fn with_class_of_index(
+        receiver: &Value,
+        result: Result<Value, EvaluationStop>,
+    ) -> Result<Value, EvaluationStop> {
         let class = match receiver {
             Value::List(list) if list.is_fixed_size() => return result,
             Value::Text(_) | Value::Builder(_) => "StringIndexOutOfBoundsException",
@@ -32,13 +35,13 @@ impl Machine {
             _ => return result,
         };
         match result {
-            Err(Stop::Thrown(thrown))
+            Err(EvaluationStop::Thrown(thrown))
                 if thrown
                     .classes
                     .iter()
                     .any(|class| &**class == "ArrayIndexOutOfBoundsException") =>
             {
-                Err(Stop::Thrown(Rc::new(Thrown {
+                Err(EvaluationStop::Thrown(Rc::new(Thrown {
                     classes: vec![Rc::from(class)],
                     value: thrown.value.clone(),
                     message: thrown.message.clone(),
@@ -55,7 +58,7 @@ impl Machine {
         value: Value,
         from: Option<&TypeName>,
         wanted: &TypeName,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if wanted.dimensions > 0 || matches!(value, Value::Unknown(_)) {
             return Ok(value);
         }
@@ -96,7 +99,7 @@ impl Machine {
         within.is_some_and(|class| self.java.classes.find(&wanted.name, class).is_some())
     }
 
-    fn not_of_class<T>(&self, value: &Value, wanted: &TypeName) -> Result<T, Stop> {
+    fn not_of_class<T>(&self, value: &Value, wanted: &TypeName) -> Result<T, EvaluationStop> {
         self.throw("ClassCastException", format!("{} is no `{}`", value.kind(), wanted.name))
     }
 }

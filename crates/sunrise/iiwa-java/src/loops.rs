@@ -13,14 +13,14 @@ use std::rc::Rc;
 use crate::{
     flow::Flow,
     java_lists::CHANGED_MEANWHILE,
-    machine::{Machine, Progress},
-    stop::Stop,
+    machine::{HostCounts, Machine},
+    stop::EvaluationStop,
     syntax::{Expression, Statement, StatementKind, TypeName},
     value::Value,
 };
 
 /// Parts of a loop iteration.
-struct Turn<'s> {
+struct LoopIteration<'s> {
     condition: Option<&'s Expression>,
     update: &'s [Expression],
     body: &'s Statement,
@@ -34,7 +34,7 @@ impl Machine {
         &mut self,
         statement: &Statement,
         label: Option<&str>,
-    ) -> Result<Flow, Stop> {
+    ) -> Result<Flow, EvaluationStop> {
         let outside = self.local_count();
         let before = self
             .java
@@ -53,13 +53,13 @@ impl Machine {
         &mut self,
         statement: &Statement,
         label: Option<&str>,
-    ) -> Result<Flow, Stop> {
+    ) -> Result<Flow, EvaluationStop> {
         let turn = match &statement.kind {
             StatementKind::While { condition, body } => {
-                Turn { condition: Some(condition), update: &[], body, is_do: false }
+                LoopIteration { condition: Some(condition), update: &[], body, is_do: false }
             }
             StatementKind::DoWhile { body, condition } => {
-                Turn { condition: Some(condition), update: &[], body, is_do: true }
+                LoopIteration { condition: Some(condition), update: &[], body, is_do: true }
             }
             StatementKind::For { initial, condition, update, body } => {
                 for statement in initial {
@@ -70,7 +70,7 @@ impl Machine {
                 if let Some(activation) = self.java.activations.last_mut() {
                     activation.outside_loop = count;
                 }
-                Turn { condition: condition.as_ref(), update, body, is_do: false }
+                LoopIteration { condition: condition.as_ref(), update, body, is_do: false }
             }
             StatementKind::ForEach { type_name, name, iterable, body } => {
                 return self.for_each(statement, (type_name, name), iterable, body, label);
@@ -83,9 +83,9 @@ impl Machine {
     fn while_true(
         &mut self,
         statement: &Statement,
-        turn: &Turn<'_>,
+        turn: &LoopIteration<'_>,
         label: Option<&str>,
-    ) -> Result<Flow, Stop> {
+    ) -> Result<Flow, EvaluationStop> {
         let begin = self.host.progress();
         let mut before = (self.java.changes, begin);
         let mut turns = 0;
@@ -128,10 +128,10 @@ impl Machine {
     fn check_end(
         &mut self,
         statement: &Statement,
-        turn: &Turn<'_>,
+        turn: &LoopIteration<'_>,
         turns: usize,
-        before: (u64, Progress),
-    ) -> Result<(), Stop> {
+        before: (u64, HostCounts),
+    ) -> Result<(), EvaluationStop> {
         let (changes, before) = before;
         let now = self.host.progress();
         // Further answers are given for further iterations.
@@ -178,7 +178,7 @@ impl Machine {
             self.note("the loop has no end, and no motion is in it");
         }
         Rc::clone(&self.host).endless(self, before.asked);
-        Err(Stop::Ended)
+        Err(EvaluationStop::Ended)
     }
 
     /// Supposes the value that ends a waiting loop, if its condition depends on one input and
@@ -187,8 +187,8 @@ impl Machine {
         &mut self,
         condition: &Expression,
         body: &Statement,
-        before: Progress,
-    ) -> Result<bool, Stop> {
+        before: HostCounts,
+    ) -> Result<bool, EvaluationStop> {
         let effects = self.effects_of_expression(condition);
         let is_pure = !effects.acts() && effects.assigns.is_empty() && effects.changes.is_empty();
         if !is_pure || self.effects_of(std::iter::once(body)).moves() {
@@ -215,7 +215,7 @@ impl Machine {
     }
 
     /// Runs one iteration; `continue` ends it.
-    fn turn(&mut self, body: &Statement, label: Option<&str>) -> Result<Flow, Stop> {
+    fn turn(&mut self, body: &Statement, label: Option<&str>) -> Result<Flow, EvaluationStop> {
         Ok(match self.scoped(body)? {
             Flow::Continue(None) => Flow::Next,
             Flow::Continue(Some(target)) if Some(target.as_str()) == label => Flow::Next,
@@ -230,7 +230,7 @@ impl Machine {
         iterable: &Expression,
         body: &Statement,
         label: Option<&str>,
-    ) -> Result<Flow, Stop> {
+    ) -> Result<Flow, EvaluationStop> {
         let values = self.evaluated(iterable)?;
         self.place.line = statement.line;
         if let Value::Unknown(unknown) = &values {

@@ -6,16 +6,16 @@ use crate::{
     classes::Classes,
     host_value::HostValue,
     java_state::{JavaState, MAX_NESTING},
-    place::Place,
-    stop::{Refusal, Stop},
+    place::SourceLine,
+    stop::{EvaluationStop, JavaRefusal},
     unknown::Unknown,
-    value::{Object, Thrown, Value},
+    value::{JavaObject, Thrown, Value},
 };
 
 /// Evaluator of a project's classes. It models a running JVM, and tracks its place in the sources.
 pub struct Machine {
     /// Current place in the sources.
-    pub place: Place,
+    pub place: SourceLine,
     /// Notes for the user in order, without duplicates.
     pub notes: Vec<Note>,
     pub(crate) java: JavaState,
@@ -28,12 +28,12 @@ pub struct Note {
     /// Sentence without its capital and its full stop.
     pub text: String,
     /// Place in the sources.
-    pub place: Place,
+    pub place: SourceLine,
 }
 
 /// Counts of a host's actions and questions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Progress {
+pub struct HostCounts {
     /// Number of actions other than pauses: motions.
     pub actions: usize,
     /// Number of questions, with or without an answer.
@@ -63,7 +63,7 @@ pub trait Host {
     fn pausing(&self) -> &'static [&'static str];
 
     /// Returns the current counts.
-    fn progress(&self) -> Progress;
+    fn progress(&self) -> HostCounts;
 
     /// Supposes an answer to the only unanswered question since `asked`; `None` drops the
     /// supposition. Returns false if no such question exists.
@@ -90,7 +90,7 @@ pub trait Host {
         receiver: &Rc<dyn HostValue>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop>;
+    ) -> Result<Value, EvaluationStop>;
 
     /// Evaluates `receiver.name`.
     ///
@@ -102,7 +102,7 @@ pub trait Host {
         machine: &mut Machine,
         receiver: &Rc<dyn HostValue>,
         name: &str,
-    ) -> Result<Value, Stop>;
+    ) -> Result<Value, EvaluationStop>;
 
     /// Evaluates `Class.name(arguments)`.
     ///
@@ -115,7 +115,7 @@ pub trait Host {
         class: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop>;
+    ) -> Result<Option<Value>, EvaluationStop>;
 
     /// Evaluates `new Class(arguments)`.
     ///
@@ -127,7 +127,7 @@ pub trait Host {
         machine: &mut Machine,
         class: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop>;
+    ) -> Result<Option<Value>, EvaluationStop>;
 
     /// Evaluates `Class.name`.
     ///
@@ -139,7 +139,7 @@ pub trait Host {
         machine: &mut Machine,
         class: &str,
         name: &str,
-    ) -> Result<Option<Value>, Stop>;
+    ) -> Result<Option<Value>, EvaluationStop>;
 
     /// Returns the value for a field or a parameter of this class that is annotated with `@Inject`,
     /// and optionally with `@Named`.
@@ -153,7 +153,7 @@ pub trait Host {
         class: &str,
         named: Option<&str>,
         field: &str,
-    ) -> Result<Option<Value>, Stop>;
+    ) -> Result<Option<Value>, EvaluationStop>;
 
     /// Evaluates `object.name(arguments)` for a method that no project class has; `base` is the
     /// first superclass outside the project.
@@ -164,11 +164,11 @@ pub trait Host {
     fn inherited(
         &self,
         machine: &mut Machine,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         base: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop>;
+    ) -> Result<Option<Value>, EvaluationStop>;
 
     /// Runs the constructor of `base` on `object`.
     ///
@@ -178,10 +178,10 @@ pub trait Host {
     fn constructed(
         &self,
         machine: &mut Machine,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         base: &str,
         arguments: &[Value],
-    ) -> Result<(), Stop>;
+    ) -> Result<(), EvaluationStop>;
 
     /// Converts a value to text for string concatenation.
     fn text(&self, value: &Rc<dyn HostValue>) -> String;
@@ -190,7 +190,7 @@ pub trait Host {
 impl Machine {
     /// Creates an evaluator in its initial state.
     #[must_use]
-    pub fn new(classes: Classes, host: Rc<dyn Host>, place: Place) -> Self {
+    pub fn new(classes: Classes, host: Rc<dyn Host>, place: SourceLine) -> Self {
         Self { place, notes: Vec::new(), java: JavaState::new(classes), host }
     }
 
@@ -198,8 +198,8 @@ impl Machine {
     /// as the stack is.
     pub(crate) fn deeper<T>(
         &mut self,
-        inner: impl FnOnce(&mut Self) -> Result<T, Stop>,
-    ) -> Result<T, Stop> {
+        inner: impl FnOnce(&mut Self) -> Result<T, EvaluationStop>,
+    ) -> Result<T, EvaluationStop> {
         if self.java.nesting >= MAX_NESTING {
             return self.reject("statements and expressions are nested too deeply");
         }
@@ -222,8 +222,11 @@ impl Machine {
     /// # Errors
     ///
     /// Always: the refusal.
-    pub fn reject<T>(&self, reason: impl Into<String>) -> Result<T, Stop> {
-        Err(Stop::Refused(Box::new(Refusal { reason: reason.into(), place: self.place.clone() })))
+    pub fn reject<T>(&self, reason: impl Into<String>) -> Result<T, EvaluationStop> {
+        Err(EvaluationStop::Refused(Box::new(JavaRefusal {
+            reason: reason.into(),
+            place: self.place.clone(),
+        })))
     }
 
     /// Ends the evaluation because `subject` (such as "the target of this motion") is unknown.
@@ -231,7 +234,7 @@ impl Machine {
     /// # Errors
     ///
     /// Always: the refusal.
-    pub fn reject_unknown<T>(&self, subject: &str, unknown: &Unknown) -> Result<T, Stop> {
+    pub fn reject_unknown<T>(&self, subject: &str, unknown: &Unknown) -> Result<T, EvaluationStop> {
         let Unknown { reason, place, .. } = unknown;
         let from = if *place == self.place { String::new() } else { format!(" ({place})") };
         self.reject(format!("{subject} depends on {reason}{from}"))
@@ -261,14 +264,14 @@ impl Machine {
     /// # Errors
     ///
     /// Always: the exception.
-    pub fn throw<T>(&self, class: &str, message: impl Into<String>) -> Result<T, Stop> {
+    pub fn throw<T>(&self, class: &str, message: impl Into<String>) -> Result<T, EvaluationStop> {
         let message = message.into();
         // Our exception messages differ from Java's, except for these classes.
         let value = match class {
             "ArithmeticException" | "NumberFormatException" => Value::text(&message),
             _ => self.unknown("the message of an exception of Java"),
         };
-        Err(Stop::Thrown(Rc::new(Thrown {
+        Err(EvaluationStop::Thrown(Rc::new(Thrown {
             classes: vec![Rc::from(class)],
             value,
             message,

@@ -3,7 +3,7 @@
 use crate::{
     java_strings::MAX_LETTERS,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::{BinaryOperator, UnaryOperator},
     value::Value,
 };
@@ -32,7 +32,11 @@ fn promoted(left: &Value, right: &Value) -> Option<Promoted> {
 }
 
 impl Machine {
-    pub(crate) fn unary(&mut self, operator: UnaryOperator, value: &Value) -> Result<Value, Stop> {
+    pub(crate) fn unary(
+        &mut self,
+        operator: UnaryOperator,
+        value: &Value,
+    ) -> Result<Value, EvaluationStop> {
         if let Value::Unknown(_) = value {
             return Ok(value.clone());
         }
@@ -60,7 +64,7 @@ impl Machine {
         operator: BinaryOperator,
         left: &Value,
         right: &Value,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         use BinaryOperator as Op;
         if let (Op::And | Op::Or, Value::Boolean(known), other)
         | (Op::And | Op::Or, other, Value::Boolean(known)) = (operator, left, right)
@@ -129,7 +133,11 @@ impl Machine {
     }
 
     /// Concatenates the texts of both values.
-    pub(crate) fn concatenated(&mut self, left: &Value, right: &Value) -> Result<Value, Stop> {
+    pub(crate) fn concatenated(
+        &mut self,
+        left: &Value,
+        right: &Value,
+    ) -> Result<Value, EvaluationStop> {
         let [left, right] = [self.text_of(left)?, self.text_of(right)?];
         Ok(match (left, right) {
             (Ok(left), Ok(right)) if left.len() + right.len() > MAX_LETTERS => {
@@ -146,7 +154,7 @@ impl Machine {
         a: i64,
         b: i64,
         made: impl Fn(i64) -> Value,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         use BinaryOperator as Op;
         if matches!(operator, Op::Divide | Op::Remainder) && b == 0 {
             return self.throw("ArithmeticException", "/ by zero");
@@ -168,7 +176,12 @@ impl Machine {
         }))
     }
 
-    fn compared(&mut self, operator: BinaryOperator, a: f64, b: f64) -> Result<Value, Stop> {
+    fn compared(
+        &mut self,
+        operator: BinaryOperator,
+        a: f64,
+        b: f64,
+    ) -> Result<Value, EvaluationStop> {
         use BinaryOperator as Op;
         Ok(Value::Boolean(match operator {
             Op::Less => a < b,
@@ -192,7 +205,7 @@ impl Machine {
         operator: BinaryOperator,
         left: &Value,
         right: &Value,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         use BinaryOperator as Op;
         let (Some(value), Some(by)) = (left.integer(), right.integer()) else {
             return self.no_operation("a shift", &[left, right]);
@@ -213,7 +226,7 @@ impl Machine {
         }))
     }
 
-    fn no_operation<T>(&self, operation: &str, values: &[&Value]) -> Result<T, Stop> {
+    fn no_operation<T>(&self, operation: &str, values: &[&Value]) -> Result<T, EvaluationStop> {
         let kinds: Vec<_> = values.iter().map(|value| value.kind()).collect();
         self.reject(format!("{operation} is not for {}", kinds.join(" and ")))
     }

@@ -7,10 +7,10 @@ use crate::{
     classes::simple,
     interfaces::interface,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::{Method, TypeName},
     unknown::Unknown,
-    value::{Code, Function, Object, Value},
+    value::{Function, FunctionCode, JavaObject, Value},
 };
 
 /// Method with its class.
@@ -112,10 +112,10 @@ impl Machine {
     pub(crate) fn run_chosen(
         &mut self,
         choice: Choice,
-        this: Option<Rc<Object>>,
+        this: Option<Rc<JavaObject>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let (unknown, methods) = match choice {
             Choice::Method(owner, method) => {
                 let this = this.filter(|_| !method.is_static);
@@ -136,7 +136,7 @@ impl Machine {
 
     /// Returns the most specific method for the argument types; `None` if they do not decide.
     fn most_specific(&self, all: &[Candidate], types: &[Option<TypeName>]) -> Option<Candidate> {
-        for phase in [Phase::Strict, Phase::Loose, Phase::Variadic] {
+        for phase in [ResolutionPhase::Strict, ResolutionPhase::Loose, ResolutionPhase::Variadic] {
             let mut applicable = Vec::new();
             let mut is_certain = true;
             for candidate in all {
@@ -289,7 +289,7 @@ impl Machine {
             // Interface of a library without source.
             (None, None) => return Some(2),
         };
-        let Code::Lambda(lambda) = &function.code else { return Some(8) };
+        let FunctionCode::Lambda(lambda) = &function.code else { return Some(8) };
         let is_compatible =
             if is_void { lambda.is_void_compatible } else { lambda.is_value_compatible };
         (is_compatible && lambda.parameters.len() == parameters).then_some(8)
@@ -300,21 +300,20 @@ impl Machine {
         &self,
         (owner, method): &Candidate,
         types: &[Option<TypeName>],
-        phase: Phase,
+        phase: ResolutionPhase,
     ) -> Option<bool> {
         let mut is_certain = true;
-        if phase == Phase::Variadic && !method.is_variadic
-            || phase != Phase::Variadic && types.len() != method.parameters.len()
+        if phase == ResolutionPhase::Variadic && !method.is_variadic
+            || phase != ResolutionPhase::Variadic && types.len() != method.parameters.len()
         {
             return Some(false);
         }
         for (place, type_name) in types.iter().enumerate() {
             let wanted = parameter(method, place, phase)?;
             let wanted = self.erased_parameter(*owner, method, &wanted);
-            match type_name
-                .as_ref()
-                .and_then(|type_name| self.widens(type_name, &wanted, phase != Phase::Strict))
-            {
+            match type_name.as_ref().and_then(|type_name| {
+                self.widens(type_name, &wanted, phase != ResolutionPhase::Strict)
+            }) {
                 Some(true) => {}
                 Some(false) => return Some(false),
                 None => is_certain = false,
@@ -323,7 +322,12 @@ impl Machine {
         is_certain.then_some(true)
     }
 
-    fn is_more_specific(&self, candidate: &Candidate, other: &Candidate, phase: Phase) -> bool {
+    fn is_more_specific(
+        &self,
+        candidate: &Candidate,
+        other: &Candidate,
+        phase: ResolutionPhase,
+    ) -> bool {
         let count = candidate.1.parameters.len().max(other.1.parameters.len());
         let parameter_type = |(owner, method): &Candidate, place| {
             let declared = parameter(method, place, phase)?;
@@ -342,7 +346,7 @@ impl Machine {
 
 /// Phases of Java's method resolution: without boxing, with boxing, and with variable arity.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Phase {
+enum ResolutionPhase {
     Strict,
     Loose,
     Variadic,
@@ -350,10 +354,10 @@ enum Phase {
 
 /// Returns the type of a parameter; in the third phase, the last parameter provides the type of
 /// each further argument.
-fn parameter(method: &Method, place: usize, phase: Phase) -> Option<TypeName> {
+fn parameter(method: &Method, place: usize, phase: ResolutionPhase) -> Option<TypeName> {
     let last = method.parameters.len().checked_sub(1)?;
     let type_name = &method.parameters.get(place.min(last))?.type_name;
-    if phase == Phase::Variadic && method.is_variadic && place >= last {
+    if phase == ResolutionPhase::Variadic && method.is_variadic && place >= last {
         return Some(type_name.with_dimensions(type_name.dimensions.checked_sub(1)?));
     }
     (place <= last).then(|| type_name.clone())

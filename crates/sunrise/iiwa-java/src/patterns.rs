@@ -5,7 +5,7 @@ use crate::{
     classes::simple,
     library_calls::class_of_value,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::{ClassKind, Pattern, TypeName},
     type_names::{boxed_names, is_primitive},
     value::{ListKind, Value},
@@ -18,7 +18,11 @@ const OF_LISTS: [&str; 4] = ["List", "Collection", "Iterable", "Object"];
 impl Machine {
     /// Matches a value with a pattern: a boolean or unknown. The variables are declared if the
     /// value may match.
-    pub(crate) fn matches(&mut self, value: &Value, pattern: &Pattern) -> Result<Value, Stop> {
+    pub(crate) fn matches(
+        &mut self,
+        value: &Value,
+        pattern: &Pattern,
+    ) -> Result<Value, EvaluationStop> {
         let (type_name, result) = match pattern {
             Pattern::Any => return Ok(Value::Boolean(true)),
             Pattern::Type { type_name, .. } | Pattern::Record { type_name, .. } => {
@@ -47,7 +51,7 @@ impl Machine {
         type_name: &TypeName,
         parts: &[Pattern],
         result: Value,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let Value::Object(object) = value else {
             return Ok(match result {
                 Value::Unknown(_) => result,

@@ -25,10 +25,12 @@ mod tree;
 use std::thread;
 
 pub(crate) use self::functions::completes;
-use self::{fault::Fault, lines::Lines, reader::Reader, tokens::Tokens, tree::Nodes};
+use self::{
+    fault::SyntaxFault, lines::LineStarts, reader::TreeReader, tokens::Tokens, tree::SyntaxNodes,
+};
 use crate::{
     source_error::{SourceError, SourceFault},
-    syntax::Unit,
+    syntax::CompilationUnit,
 };
 
 /// Stack size in bytes of the reader thread; only used pages take memory. The deepest accepted tree
@@ -40,7 +42,7 @@ const STACK_BYTES: usize = 64 << 20;
 /// # Errors
 ///
 /// If the text is not Java, or exceeds a bound, with the place.
-pub fn read(file: &str, text: &str) -> Result<Unit, SourceError> {
+pub fn read(file: &str, text: &str) -> Result<CompilationUnit, SourceError> {
     let result = thread::scope(|scope| {
         let reader = thread::Builder::new().stack_size(STACK_BYTES);
         match reader.spawn_scoped(scope, || unit(text)) {
@@ -48,27 +50,27 @@ pub fn read(file: &str, text: &str) -> Result<Unit, SourceError> {
             Err(error) => Err(no_result(&error.to_string())),
         }
     });
-    result.map_err(|Fault { offset, error }| {
-        let lines = Lines::new(text);
+    result.map_err(|SyntaxFault { offset, error }| {
+        let lines = LineStarts::new(text);
         let (line, column) = (lines.line(offset), lines.column(offset));
         SourceError { file: file.to_owned(), line, column, fault: error }
     })
 }
 
-fn unit(text: &str) -> Result<Unit, Fault> {
+fn unit(text: &str) -> Result<CompilationUnit, SyntaxFault> {
     if let Some(offset) = text.find('\0') {
-        return Err(Fault { offset, error: SourceFault::Binary });
+        return Err(SyntaxFault { offset, error: SourceFault::Binary });
     }
     let tokens = Tokens::scan(text)?;
     bounds::check_brackets(&tokens)?;
     // Ctrl-Z, which old editors append as the end of a file.
     let text = text.strip_suffix('\u{1a}').unwrap_or(text);
-    let lines = Lines::new(text);
+    let lines = LineStarts::new(text);
     let tree = parser::parse(text, &tokens, &lines)?;
-    let nodes = Nodes::of(&tree)?;
-    Reader { text, lines: &lines }.unit(nodes.root())
+    let nodes = SyntaxNodes::of(&tree)?;
+    TreeReader { text, lines: &lines }.unit(nodes.root())
 }
 
-fn no_result(why: &str) -> Fault {
-    Fault { offset: 0, error: SourceFault::Parser(why.to_owned()) }
+fn no_result(why: &str) -> SyntaxFault {
+    SyntaxFault { offset: 0, error: SourceFault::Parser(why.to_owned()) }
 }

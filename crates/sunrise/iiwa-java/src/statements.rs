@@ -8,7 +8,7 @@ use crate::{
     machine::Machine,
     read::completes,
     static_types::NUMBER,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::{Catch, Expression, ExpressionKind, Literal, Statement, StatementKind},
     type_names::NULL,
     unknown::Unknown,
@@ -20,14 +20,14 @@ pub(crate) type Condition = Result<bool, Rc<Unknown>>;
 
 impl Machine {
     /// Runs statements in a new scope.
-    pub(crate) fn block(&mut self, statements: &[Statement]) -> Result<Flow, Stop> {
+    pub(crate) fn block(&mut self, statements: &[Statement]) -> Result<Flow, EvaluationStop> {
         let outside = self.local_count();
         let flow = self.statements(statements);
         self.forget_locals(outside);
         flow
     }
 
-    pub(crate) fn statements(&mut self, statements: &[Statement]) -> Result<Flow, Stop> {
+    pub(crate) fn statements(&mut self, statements: &[Statement]) -> Result<Flow, EvaluationStop> {
         for statement in statements {
             match self.statement(statement)? {
                 Flow::Next => {}
@@ -47,14 +47,14 @@ impl Machine {
         }
     }
 
-    pub(crate) fn statement(&mut self, statement: &Statement) -> Result<Flow, Stop> {
+    pub(crate) fn statement(&mut self, statement: &Statement) -> Result<Flow, EvaluationStop> {
         self.place.line = statement.line;
         self.count_step()?;
         self.deeper(|machine| machine.run_statement(statement))
     }
 
     /// Counts a statement, or a function that the library runs.
-    pub(crate) fn count_step(&mut self) -> Result<(), Stop> {
+    pub(crate) fn count_step(&mut self) -> Result<(), EvaluationStop> {
         self.java.steps += 1;
         if self.java.steps > MAX_STEPS {
             return self
@@ -63,7 +63,7 @@ impl Machine {
         Ok(())
     }
 
-    fn run_statement(&mut self, statement: &Statement) -> Result<Flow, Stop> {
+    fn run_statement(&mut self, statement: &Statement) -> Result<Flow, EvaluationStop> {
         match &statement.kind {
             StatementKind::Block(body) | StatementKind::Synchronized { body } => self.block(body),
             StatementKind::Local { type_name, variables } => {
@@ -161,7 +161,7 @@ impl Machine {
         }
     }
 
-    fn labelled(&mut self, body: &Statement, label: &str) -> Result<Flow, Stop> {
+    fn labelled(&mut self, body: &Statement, label: &str) -> Result<Flow, EvaluationStop> {
         match &body.kind {
             StatementKind::While { .. }
             | StatementKind::DoWhile { .. }
@@ -172,14 +172,17 @@ impl Machine {
     }
 
     /// Runs a statement in a new scope.
-    pub(crate) fn scoped(&mut self, statement: &Statement) -> Result<Flow, Stop> {
+    pub(crate) fn scoped(&mut self, statement: &Statement) -> Result<Flow, EvaluationStop> {
         let outside = self.local_count();
         let flow = self.statement(statement);
         self.forget_locals(outside);
         flow
     }
 
-    pub(crate) fn condition(&mut self, condition: &Expression) -> Result<Condition, Stop> {
+    pub(crate) fn condition(
+        &mut self,
+        condition: &Expression,
+    ) -> Result<Condition, EvaluationStop> {
         match self.evaluated(condition)? {
             Value::Boolean(value) => Ok(Ok(value)),
             Value::Unknown(unknown) => Ok(Err(unknown)),
@@ -195,7 +198,7 @@ impl Machine {
         statements: impl IntoIterator<Item = &'s Statement>,
         statement_kind: &str,
         unknown: &Rc<Unknown>,
-    ) -> Result<Flow, Stop> {
+    ) -> Result<Flow, EvaluationStop> {
         let acts = self.host.acts();
         let mut effects = self.effects_of(statements);
         if effects.acts() {
@@ -233,7 +236,7 @@ impl Machine {
         resources: &[Statement],
         body: &[Statement],
         catches: &[Catch],
-    ) -> Result<Flow, Stop> {
+    ) -> Result<Flow, EvaluationStop> {
         let depth = self.java.activations.len();
         let file = Rc::clone(&self.place.file);
         let inner = self.local_count();
@@ -241,7 +244,7 @@ impl Machine {
             Ok(Flow::Next) => self.statements(body),
             other => other,
         };
-        let Err(Stop::Thrown(thrown)) = result else { return result };
+        let Err(EvaluationStop::Thrown(thrown)) = result else { return result };
         // The methods between `throw` and `catch` have ended.
         self.java.activations.truncate(depth);
         self.place.file = file;
@@ -252,17 +255,17 @@ impl Machine {
                 return self.statements(&catch.body);
             }
         }
-        Err(Stop::Thrown(thrown))
+        Err(EvaluationStop::Thrown(thrown))
     }
 
     /// Runs a `finally` block, however the `try` statement ended.
     fn finally(
         &mut self,
-        result: Result<Flow, Stop>,
+        result: Result<Flow, EvaluationStop>,
         finally: Option<&[Statement]>,
-    ) -> Result<Flow, Stop> {
+    ) -> Result<Flow, EvaluationStop> {
         let Some(finally) = finally else { return result };
-        if matches!(result, Err(Stop::Refused(_) | Stop::Ended)) {
+        if matches!(result, Err(EvaluationStop::Refused(_) | EvaluationStop::Ended)) {
             return result;
         }
         match self.block(finally)? {
@@ -271,7 +274,7 @@ impl Machine {
         }
     }
 
-    fn thrown<T>(&mut self, value: Value) -> Result<T, Stop> {
+    fn thrown<T>(&mut self, value: Value) -> Result<T, EvaluationStop> {
         let place = self.place.clone();
         let thrown = match value {
             Value::Exception(thrown) => thrown,
@@ -296,7 +299,7 @@ impl Machine {
             Value::Null => return self.throw("NullPointerException", "what is thrown is null"),
             other => return self.reject(format!("{} is thrown", other.kind())),
         };
-        Err(Stop::Thrown(thrown))
+        Err(EvaluationStop::Thrown(thrown))
     }
 
     /// Returns true if a `catch` of this type catches an exception.

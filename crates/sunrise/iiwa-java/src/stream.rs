@@ -2,7 +2,7 @@
 
 use crate::{
     type_names::plain,
-    value::{Stage, StreamKind, Value},
+    value::{StreamKind, StreamStage, Value},
 };
 
 impl StreamKind {
@@ -36,7 +36,7 @@ impl StreamKind {
     }
 }
 
-impl Stage {
+impl StreamStage {
     /// Returns the function that the stage runs.
     pub(crate) fn function(&self) -> Option<&Value> {
         match self {

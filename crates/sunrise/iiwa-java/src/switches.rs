@@ -4,7 +4,7 @@ use crate::{
     flow::Flow,
     java_sorting::Known,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::{Expression, ExpressionKind, Label, Statement, SwitchGroup},
     value::Value,
 };
@@ -15,7 +15,7 @@ impl Machine {
         statement: &Statement,
         value: &Expression,
         groups: &[SwitchGroup],
-    ) -> Result<Flow, Stop> {
+    ) -> Result<Flow, EvaluationStop> {
         let value = self.evaluated(value)?;
         if let Value::Unknown(unknown) = &value {
             self.place.line = statement.line;
@@ -37,7 +37,7 @@ impl Machine {
         expression: &Expression,
         value: &Expression,
         groups: &[SwitchGroup],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let value = self.evaluated(value)?;
         self.place.line = expression.line;
         let unknown = match value {
@@ -57,7 +57,11 @@ impl Machine {
     }
 
     /// Runs the groups that a value selects; no group if the selection is unknown.
-    fn switched(&mut self, value: &Value, groups: &[SwitchGroup]) -> Result<Known<Flow>, Stop> {
+    fn switched(
+        &mut self,
+        value: &Value,
+        groups: &[SwitchGroup],
+    ) -> Result<Known<Flow>, EvaluationStop> {
         let outside = self.local_count();
         let result = match self.matching_group(value, groups)? {
             Ok(None) => Ok(Flow::Next),
@@ -68,7 +72,11 @@ impl Machine {
         Ok(result)
     }
 
-    fn groups_from(&mut self, first: usize, groups: &[SwitchGroup]) -> Result<Flow, Stop> {
+    fn groups_from(
+        &mut self,
+        first: usize,
+        groups: &[SwitchGroup],
+    ) -> Result<Flow, EvaluationStop> {
         for group in &groups[first..] {
             let flow = self.statements(&group.body)?;
             if !matches!(flow, Flow::Next) || !group.falls_through {
@@ -84,7 +92,7 @@ impl Machine {
         &mut self,
         value: &Value,
         groups: &[SwitchGroup],
-    ) -> Result<Known<Option<usize>>, Stop> {
+    ) -> Result<Known<Option<usize>>, EvaluationStop> {
         let has_null = groups.iter().flat_map(|group| &group.labels).any(|label| {
             matches!(label, Label::Value(value)
                 if matches!(value.kind, ExpressionKind::Literal(crate::syntax::Literal::Null)))
@@ -118,7 +126,7 @@ impl Machine {
     }
 
     /// Compares a value with a label: a boolean, or unknown.
-    fn is_label(&mut self, value: &Value, label: &Expression) -> Result<Value, Stop> {
+    fn is_label(&mut self, value: &Value, label: &Expression) -> Result<Value, EvaluationStop> {
         Ok(Value::Boolean(match (value, &label.kind) {
             // Labels name enum constants without their class.
             (Value::Object(object), ExpressionKind::Name(name)) if object.constant.is_some() => {

@@ -4,16 +4,16 @@ use std::sync::Arc;
 
 /// Source file.
 #[derive(Debug, Default)]
-pub struct Unit {
+pub struct CompilationUnit {
     /// Package as `a.b`; empty for the default package.
     pub(crate) package: String,
-    pub(crate) imports: Vec<Import>,
+    pub(crate) imports: Vec<ImportDeclaration>,
     pub(crate) classes: Vec<Arc<Class>>,
 }
 
 /// Import: `import a.b.C;`, `import static a.b.C.d;` or `import a.b.*;`.
 #[derive(Debug)]
-pub(crate) struct Import {
+pub(crate) struct ImportDeclaration {
     /// Imported name `a.b.C`; for an on-demand import, the name before `.*`.
     pub(crate) path: String,
     pub(crate) is_static: bool,
@@ -165,7 +165,7 @@ pub(crate) enum StatementKind {
     Block(Vec<Statement>),
     Local {
         type_name: TypeName,
-        variables: Vec<Variable>,
+        variables: Vec<LocalVariable>,
     },
     LocalClass(Arc<Class>),
     Expression(Expression),
@@ -227,7 +227,7 @@ pub(crate) enum StatementKind {
 
 /// Local variable of a declaration.
 #[derive(Debug)]
-pub(crate) struct Variable {
+pub(crate) struct LocalVariable {
     pub(crate) name: String,
     /// Number of `[]` after the name, beyond those of the type.
     pub(crate) dimensions: usize,

@@ -8,15 +8,15 @@ use std::{
 
 use crate::{
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::ClassKind,
     unknown::Unknown,
-    value::{MapPart, Object, Value},
+    value::{JavaObject, MapPart, Value},
     variables::fields,
 };
 
 /// Text, or the unknown value that it depends on.
-pub(crate) type Text = Result<String, Rc<Unknown>>;
+pub(crate) type JavaText = Result<String, Rc<Unknown>>;
 
 /// Maximum nesting depth of collections in a text.
 const MAX_NESTING: usize = 20;
@@ -119,11 +119,11 @@ fn whole(size: f64, significant_bits: u32) -> Option<String> {
 
 impl Machine {
     /// Converts a value to text for string concatenation.
-    pub(crate) fn text_of(&mut self, value: &Value) -> Result<Text, Stop> {
+    pub(crate) fn text_of(&mut self, value: &Value) -> Result<JavaText, EvaluationStop> {
         self.text_within(value, 0)
     }
 
-    fn text_within(&mut self, value: &Value, depth: usize) -> Result<Text, Stop> {
+    fn text_within(&mut self, value: &Value, depth: usize) -> Result<JavaText, EvaluationStop> {
         if depth > MAX_NESTING {
             return self.reject("collections are nested too deeply to be written as text");
         }
@@ -220,9 +220,9 @@ impl Machine {
     /// Formats a record as `Point[x=1, y=2]`.
     pub(crate) fn text_of_record(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         depth: usize,
-    ) -> Result<Text, Stop> {
+    ) -> Result<JavaText, EvaluationStop> {
         let class = std::sync::Arc::clone(&self.java.classes.known(object.class).class);
         let mut parts = Vec::new();
         for component in fields(&class.members).filter(|field| !field.is_static) {
@@ -246,7 +246,7 @@ impl Machine {
     }
 
     /// Formats elements as `[a, b]`.
-    fn listed(&mut self, values: &[Value], depth: usize) -> Result<Text, Stop> {
+    fn listed(&mut self, values: &[Value], depth: usize) -> Result<JavaText, EvaluationStop> {
         let mut texts = Vec::new();
         for value in values {
             match self.text_within(value, depth + 1)? {
@@ -258,7 +258,10 @@ impl Machine {
     }
 
     /// Evaluates `Arrays.toString`, which formats as `[a, b]`.
-    pub(crate) fn text_of_elements(&mut self, values: &[Value]) -> Result<Text, Stop> {
+    pub(crate) fn text_of_elements(
+        &mut self,
+        values: &[Value],
+    ) -> Result<JavaText, EvaluationStop> {
         self.listed(values, 0)
     }
 }

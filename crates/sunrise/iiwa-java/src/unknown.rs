@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::place::Place;
+use crate::place::SourceLine;
 
 /// Reason why a value is unknown.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct Unknown {
     /// source".
     pub reason: String,
     /// Place at which the value entered the program.
-    pub place: Place,
+    pub place: SourceLine,
     /// `true` for the result of an unmodelled method: the call may have changed its receiver and
     /// its arguments.
     pub is_unmodelled_call: bool,

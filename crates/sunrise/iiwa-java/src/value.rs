@@ -10,7 +10,7 @@ use std::{
 use crate::{
     class_id::ClassId,
     host_value::HostValue,
-    place::Place,
+    place::SourceLine,
     syntax::{Lambda, Reference, TypeName},
     unknown::Unknown,
 };
@@ -47,7 +47,7 @@ pub enum Value {
     /// `StringBuilder` or `StringBuffer`.
     Builder(Rc<RefCell<Result<String, Rc<Unknown>>>>),
     /// Object of a project class.
-    Object(Rc<Object>),
+    Object(Rc<JavaObject>),
     /// Java or KUKA exception.
     Exception(Rc<Thrown>),
     /// Project class.
@@ -57,7 +57,7 @@ pub enum Value {
     /// Lambda expression or method reference.
     Function(Rc<Function>),
     /// `Stream`, `IntStream` or similar.
-    Stream(Rc<Stream>),
+    Stream(Rc<JavaStream>),
     /// Collector of `Collectors`.
     Collector(Rc<Collector>),
     /// `Optional` or similar.
@@ -210,7 +210,7 @@ pub struct Map {
 
 /// Object, or enum constant.
 #[derive(Debug)]
-pub struct Object {
+pub struct JavaObject {
     pub(crate) class: ClassId,
     /// Fields by declaring class and name.
     pub(crate) fields: RefCell<HashMap<(ClassId, String), Value>>,
@@ -246,11 +246,11 @@ pub struct Function {
     /// Class that contains the code.
     pub(crate) class: ClassId,
     /// Value of `this` at the evaluation.
-    pub(crate) this: Option<Rc<Object>>,
+    pub(crate) this: Option<Rc<JavaObject>>,
     /// Captured local variables.
     pub(crate) locals: Vec<Local>,
     pub(crate) line: u32,
-    pub(crate) code: Code,
+    pub(crate) code: FunctionCode,
     /// Composition depth.
     pub(crate) depth: usize,
     /// Interface, once determined and if it belongs to the Java library.
@@ -258,7 +258,7 @@ pub struct Function {
 }
 
 #[derive(Debug)]
-pub(crate) enum Code {
+pub(crate) enum FunctionCode {
     Lambda(Arc<Lambda>),
     /// Method reference, with the value before `::` if it is a value.
     Reference(Arc<Reference>, Option<Value>),
@@ -314,11 +314,11 @@ pub(crate) enum Combined {
 
 /// `java.util.stream` stream.
 #[derive(Debug)]
-pub struct Stream {
+pub struct JavaStream {
     pub(crate) kind: StreamKind,
     /// Collection or array, which the terminal operation reads.
     pub(crate) source: Value,
-    pub(crate) stages: Vec<Stage>,
+    pub(crate) stages: Vec<StreamStage>,
     /// `true` once another operation has consumed the stream.
     pub(crate) is_used: Cell<bool>,
 }
@@ -334,7 +334,7 @@ pub(crate) enum StreamKind {
 
 /// Intermediate operation. Functions have the names of their interfaces.
 #[derive(Clone, Debug)]
-pub(crate) enum Stage {
+pub(crate) enum StreamStage {
     Map(Value, Rc<str>),
     Filter(Value, Rc<str>),
     Peek(Value, Rc<str>),
@@ -374,7 +374,7 @@ pub struct Thrown {
     /// Message text.
     pub message: String,
     /// Place of the `throw`.
-    pub place: Place,
+    pub place: SourceLine,
 }
 
 /// Iteration order of a map.
@@ -389,7 +389,7 @@ pub enum MapOrder {
     Sorted,
 }
 
-impl Object {
+impl JavaObject {
     /// Creates an object whose class is outside any project, for tests of a host alone.
     #[must_use]
     pub fn detached() -> Self {

@@ -7,11 +7,11 @@ use crate::{
     classes::simple,
     effects::Effects,
     machine::Machine,
-    stop::Stop,
+    stop::EvaluationStop,
     syntax::{Expression, ExpressionKind, Field, Member, TypeName},
     type_names::is_primitive,
     unknown::Unknown,
-    value::{Object, Value},
+    value::{JavaObject, Value},
 };
 
 /// Storage location of a value.
@@ -19,7 +19,7 @@ pub(crate) enum Slot {
     /// Local variable, by its index among the method's locals.
     Local(usize),
     /// Object field.
-    Field(Rc<Object>, ClassId, String),
+    Field(Rc<JavaObject>, ClassId, String),
     Static(ClassId, String),
     Element(Rc<crate::value::Array>, usize),
     /// Location outside the model, such as in a library or an unknown object: assigned values are
@@ -29,7 +29,7 @@ pub(crate) enum Slot {
 
 impl Machine {
     /// Evaluates a simple name.
-    pub(crate) fn named(&mut self, name: &str) -> Result<Value, Stop> {
+    pub(crate) fn named(&mut self, name: &str) -> Result<Value, EvaluationStop> {
         if let Some(value) = self.variable(name)? {
             return Ok(value);
         }
@@ -56,7 +56,7 @@ impl Machine {
 
     /// Returns a local variable, or a field of this object or of an enclosing one; `None` if no
     /// such variable exists.
-    pub(crate) fn variable(&mut self, name: &str) -> Result<Option<Value>, Stop> {
+    pub(crate) fn variable(&mut self, name: &str) -> Result<Option<Value>, EvaluationStop> {
         let Some(activation) = self.java.activation() else { return Ok(None) };
         if let Some(local) = activation.locals.iter().rev().find(|local| local.name == name) {
             return Ok(Some(local.value.clone()));
@@ -87,13 +87,18 @@ impl Machine {
     }
 
     /// Returns a field of an object, as seen from the class `from`.
-    pub(crate) fn field_of(&self, object: &Rc<Object>, from: ClassId, name: &str) -> Option<Value> {
+    pub(crate) fn field_of(
+        &self,
+        object: &Rc<JavaObject>,
+        from: ClassId,
+        name: &str,
+    ) -> Option<Value> {
         self.owner_of(object, from, name)
             .and_then(|owner| object.fields.borrow().get(&(owner, name.to_owned())).cloned())
     }
 
     /// Returns the class that declares the accessed field.
-    fn owner_of(&self, object: &Rc<Object>, from: ClassId, name: &str) -> Option<ClassId> {
+    fn owner_of(&self, object: &Rc<JavaObject>, from: ClassId, name: &str) -> Option<ClassId> {
         let classes = &self.java.classes;
         let start = if classes.is_a(object.class, from) { from } else { object.class };
         let fields = object.fields.borrow();
@@ -103,7 +108,11 @@ impl Machine {
     }
 
     /// Returns a static field of a class or of a superclass.
-    pub(crate) fn static_field(&mut self, id: ClassId, name: &str) -> Result<Option<Value>, Stop> {
+    pub(crate) fn static_field(
+        &mut self,
+        id: ClassId,
+        name: &str,
+    ) -> Result<Option<Value>, EvaluationStop> {
         match self.static_owner(id, name) {
             Some(owner) => {
                 self.initialize(owner)?;
@@ -123,7 +132,7 @@ impl Machine {
     }
 
     /// Returns the member `name` of a value.
-    pub(crate) fn member(&mut self, receiver: &Value, name: &str) -> Result<Value, Stop> {
+    pub(crate) fn member(&mut self, receiver: &Value, name: &str) -> Result<Value, EvaluationStop> {
         match receiver {
             Value::Object(object) => {
                 let from =
@@ -164,7 +173,7 @@ impl Machine {
         }
     }
 
-    fn class_member(&mut self, id: ClassId, name: &str) -> Result<Value, Stop> {
+    fn class_member(&mut self, id: ClassId, name: &str) -> Result<Value, EvaluationStop> {
         if name == "this" {
             return Ok(self.this_within(id));
         }
@@ -200,7 +209,7 @@ impl Machine {
     }
 
     /// Returns the storage location of an expression.
-    pub(crate) fn slot(&mut self, target: &Expression) -> Result<Slot, Stop> {
+    pub(crate) fn slot(&mut self, target: &Expression) -> Result<Slot, EvaluationStop> {
         match &target.kind {
             ExpressionKind::Name(name) => self.slot_of_name(name),
             ExpressionKind::Field { object: receiver, name } => {
@@ -253,13 +262,13 @@ impl Machine {
         }
     }
 
-    fn static_slot(&mut self, id: ClassId, name: &str) -> Result<Slot, Stop> {
+    fn static_slot(&mut self, id: ClassId, name: &str) -> Result<Slot, EvaluationStop> {
         let Some(owner) = self.static_owner(id, name) else { return Ok(Slot::Elsewhere) };
         self.initialize(owner)?;
         Ok(Slot::Static(owner, name.to_owned()))
     }
 
-    fn slot_of_name(&mut self, name: &str) -> Result<Slot, Stop> {
+    fn slot_of_name(&mut self, name: &str) -> Result<Slot, EvaluationStop> {
         let Some(activation) = self.java.activation() else { return Ok(Slot::Elsewhere) };
         if let Some(index) = activation.locals.iter().rposition(|local| local.name == name) {
             return Ok(Slot::Local(index));
@@ -302,7 +311,7 @@ impl Machine {
     }
 
     /// Stores a value, converted to the type of the variable, and returns the stored value.
-    pub(crate) fn keep(&mut self, slot: &Slot, value: Value) -> Result<Value, Stop> {
+    pub(crate) fn keep(&mut self, slot: &Slot, value: Value) -> Result<Value, EvaluationStop> {
         let old = self.kept(slot);
         let value = match self.type_of(slot) {
             Some(wanted) => self.for_variable(value, &wanted)?,
@@ -352,7 +361,11 @@ impl Machine {
     }
 
     /// Converts a value to a variable of this type.
-    pub(crate) fn for_variable(&self, value: Value, wanted: &TypeName) -> Result<Value, Stop> {
+    pub(crate) fn for_variable(
+        &self,
+        value: Value,
+        wanted: &TypeName,
+    ) -> Result<Value, EvaluationStop> {
         if matches!(value, Value::Null) && is_primitive(wanted) {
             return self.throw("NullPointerException", format!("null is no `{}`", wanted.name));
         }
@@ -364,7 +377,11 @@ impl Machine {
     }
 
     /// Converts the result of a method to its result type.
-    pub(crate) fn for_result(&self, value: Value, returns: &TypeName) -> Result<Value, Stop> {
+    pub(crate) fn for_result(
+        &self,
+        value: Value,
+        returns: &TypeName,
+    ) -> Result<Value, EvaluationStop> {
         if returns.name == "void" {
             return Ok(Value::Null);
         }
@@ -389,7 +406,7 @@ impl Machine {
     }
 
     /// Checks an index into `length` elements.
-    pub(crate) fn index(&mut self, index: &Value, length: usize) -> Result<usize, Stop> {
+    pub(crate) fn index(&mut self, index: &Value, length: usize) -> Result<usize, EvaluationStop> {
         let Some(index) = index.integer() else {
             return self.reject(format!("an index is {}", index.kind()));
         };
@@ -449,7 +466,7 @@ impl Machine {
 }
 
 /// Returns true if an object has several fields of this name.
-pub(crate) fn is_hidden(object: &Object, name: &str) -> bool {
+pub(crate) fn is_hidden(object: &JavaObject, name: &str) -> bool {
     let fields = object.fields.borrow();
     fields.keys().filter(|(_, field)| field == name).count() > 1
 }

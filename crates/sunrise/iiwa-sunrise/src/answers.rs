@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt};
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use iiwa_program::Frame;
 use serde::Deserialize;
 
@@ -112,7 +112,7 @@ pub struct AnswersError {
     /// Message.
     pub message: String,
     /// Place in the text.
-    pub place: Place,
+    pub place: JsonPlace,
 }
 
 #[derive(Deserialize)]
@@ -212,7 +212,7 @@ impl Answers {
     pub fn from_toml(text: &str) -> Result<Self, AnswersError> {
         let wire: AnswersWire = toml::from_str(text).map_err(|error| AnswersError {
             message: error.message().lines().collect::<Vec<_>>().join("; "),
-            place: Place::of_span(text, error.span().unwrap_or_default()),
+            place: JsonPlace::of_span(text, error.span().unwrap_or_default()),
         })?;
         let numbers = |buttons| match buttons {
             ButtonsWire::One(number) => vec![number],

@@ -7,7 +7,7 @@ use iiwa_program::{Base, Frame, Target, Tool, Workcell};
 
 use crate::{
     data_file::{DataFile, Teaching, ToolTemplate, WorldFrame},
-    names::{Names, Renamed},
+    names::{Renamed, UniqueNames},
 };
 
 /// Names that are reserved in programs: the bare flange, and the robot base.
@@ -101,7 +101,7 @@ impl ImportedCell {
     pub fn new(file: &DataFile) -> Self {
         let mut cell = Self::default();
         let mut tcps = Tcps::new();
-        let mut names = Names::without(&[FLANGE]);
+        let mut names = UniqueNames::without(&[FLANGE]);
         for template in &file.tools {
             let name = names.give(None, &template.name, &template.name);
             // The root of a tool is the flange.
@@ -109,7 +109,7 @@ impl ImportedCell {
             tcps.extend(cell.add_tool(template, &name));
         }
         cell.renamed.append(&mut names.renamed);
-        let mut names = Names::without(&[FOOT, TCP]);
+        let mut names = UniqueNames::without(&[FOOT, TCP]);
         let mut open: Vec<_> = file.frames.iter().rev().map(|frame| (frame, None)).collect();
         while let Some((frame, parent)) = open.pop() {
             let parent: Option<usize> = parent;
@@ -123,7 +123,7 @@ impl ImportedCell {
     /// Adds a tool. Returns its TCPs by the names that taught frames use, with their names in
     /// programs and their poses in the flange frame.
     fn add_tool(&mut self, template: &ToolTemplate, name: &str) -> Tcps {
-        let mut names = Names::default();
+        let mut names = UniqueNames::default();
         let mut entries = Vec::new();
         let mut open: Vec<_> = template
             .frames
@@ -176,7 +176,7 @@ impl ImportedCell {
         &mut self,
         frame: &WorldFrame,
         parent: Option<usize>,
-        names: &mut Names,
+        names: &mut UniqueNames,
         tcps: &Tcps,
     ) -> usize {
         let above = parent.map(|index| &self.frames[index]);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use quick_xml::{
     Reader,
     events::{BytesStart, Event},
@@ -30,7 +30,7 @@ impl<'t> Element<'t> {
     /// Reads the outermost element of a text. Comments and processing instructions are skipped.
     pub(crate) fn read(text: &'t str) -> Result<Self, DataFileError> {
         let fail = |span: Range<usize>, problem: String| DataFileError::Xml {
-            place: Place::of_span(text, span),
+            place: JsonPlace::of_span(text, span),
             problem,
         };
         let mut reader = Reader::from_str(text);
@@ -89,7 +89,7 @@ impl<'t> Element<'t> {
         tag: &BytesStart<'_>,
     ) -> Result<Self, DataFileError> {
         let fail = |problem: String| DataFileError::Xml {
-            place: Place::of_span(text, span.clone()),
+            place: JsonPlace::of_span(text, span.clone()),
             problem,
         };
         let name = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
@@ -106,8 +106,8 @@ impl<'t> Element<'t> {
         Ok(Self { name, attributes, children: Vec::new(), words: String::new(), text, span })
     }
 
-    pub(crate) fn place(&self) -> Place {
-        Place::of_span(self.text, self.span.clone())
+    pub(crate) fn place(&self) -> JsonPlace {
+        JsonPlace::of_span(self.text, self.span.clone())
     }
 
     /// Returns the text directly in the element, without the text of its children.

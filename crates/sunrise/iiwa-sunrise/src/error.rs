@@ -1,6 +1,6 @@
 //! Errors of data files.
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 
 /// Error of reading the data file of a Sunrise project.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -10,7 +10,7 @@ pub enum DataFileError {
     #[error("this is not XML: {problem}, at {place}")]
     Xml {
         /// Place of the error.
-        place: Place,
+        place: JsonPlace,
         /// Message of the XML parser.
         problem: String,
     },
@@ -18,7 +18,7 @@ pub enum DataFileError {
     #[error("the outermost element is <{root}>; a data file has <RoboticsAPIData>, at {place}")]
     NotDataFile {
         /// Place of the outermost element.
-        place: Place,
+        place: JsonPlace,
         /// Name of the outermost element.
         root: String,
     },
@@ -26,7 +26,7 @@ pub enum DataFileError {
     #[error("<{owner}> has no {missing}, at {place}")]
     Missing {
         /// Place of the element.
-        place: Place,
+        place: JsonPlace,
         /// Name of the element.
         owner: String,
         /// Name of the missing child element or attribute.
@@ -36,7 +36,7 @@ pub enum DataFileError {
     #[error("{attribute} is {text:?}; it must be a finite number, at {place}")]
     Number {
         /// Place of the element.
-        place: Place,
+        place: JsonPlace,
         /// Name of the attribute.
         attribute: String,
         /// Text of the attribute.
@@ -47,7 +47,7 @@ pub enum DataFileError {
 impl DataFileError {
     /// Returns the place of the error in the text.
     #[must_use]
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &JsonPlace {
         match self {
             Self::Xml { place, .. }
             | Self::NotDataFile { place, .. }

@@ -15,14 +15,14 @@ pub struct Renamed {
 
 /// Assigns a unique name to each entry of a list.
 #[derive(Default)]
-pub(crate) struct Names {
+pub(crate) struct UniqueNames {
     used: BTreeSet<String>,
     /// Last number that was appended, by name.
     taken: BTreeMap<String, u32>,
     pub(crate) renamed: Vec<Renamed>,
 }
 
-impl Names {
+impl UniqueNames {
     /// Creates an empty list without the names that are reserved in programs.
     pub(crate) fn without(reserved: &[&str]) -> Self {
         let used = reserved.iter().map(|name| (*name).to_owned()).collect();

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_java::{Classes, SourceError, SourceFault, Unit, decode};
+use iiwa_java::{Classes, CompilationUnit, SourceError, SourceFault, decode};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::{
@@ -43,7 +43,7 @@ pub struct StationFault {
 #[derive(Debug)]
 pub struct SourceFile {
     path: String,
-    unit: Result<Unit, SourceError>,
+    unit: Result<CompilationUnit, SourceError>,
     robots: Vec<RobotStatement>,
 }
 
@@ -140,7 +140,7 @@ impl Project {
             },
             several => ProjectData::Several(several.iter().map(|(name, _)| name.clone()).collect()),
         };
-        let mut reading = Reading::default();
+        let mut reading = ProjectReading::default();
         match &project_folder::nearest(folder, STATION_FILE)[..] {
             [] => {}
             [(name, path)] => reading.add_station(name, contents(path)),
@@ -171,7 +171,7 @@ impl Project {
         T: AsRef<[u8]>,
     {
         let mut data = ProjectData::Absent;
-        let mut reading = Reading::default();
+        let mut reading = ProjectReading::default();
         for (path, bytes) in files {
             let path = path.into();
             match path.rsplit('/').next() {
@@ -256,26 +256,26 @@ impl SourceFile {
     /// # Errors
     ///
     /// If the file cannot be used.
-    pub fn unit(&self) -> Result<&Unit, &SourceError> {
+    pub fn unit(&self) -> Result<&CompilationUnit, &SourceError> {
         self.unit.as_ref()
     }
 }
 
 /// State while a project is read.
-struct Reading {
+struct ProjectReading {
     /// Java files by path, with their texts.
     texts: Vec<(String, Result<String, SourceFault>)>,
     station: Result<Vec<RobotStatement>, StationFault>,
     bytes: u64,
 }
 
-impl Default for Reading {
+impl Default for ProjectReading {
     fn default() -> Self {
         Self { texts: Vec::new(), station: Ok(Vec::new()), bytes: 0 }
     }
 }
 
-impl Reading {
+impl ProjectReading {
     fn add(&mut self, path: String, bytes: &[u8]) -> Result<(), ProjectError> {
         if self.texts.len() >= MAX_FILES {
             return Err(ProjectError::TooManyFiles { max_files: MAX_FILES });

@@ -31,7 +31,7 @@ impl DataFile {
             return Err(DataFileError::NotDataFile { place: root.place(), root: root.name });
         }
         let mut file = Self::default();
-        let mut rest = Rest::default();
+        let mut rest = SkippedEntries::default();
         if let Some(version) = root.attribute("version").filter(|version| *version != VERSION) {
             let why = format!("the file may mean something else than those of version {VERSION}");
             rest.add(&format!("version {version}"), &why);
@@ -58,7 +58,7 @@ impl DataFile {
                                 );
                                 // Cells do not use workpieces: an unreadable one matters only to an
                                 // application that asks for it.
-                                let workpiece = tool(element, &mut Rest::default());
+                                let workpiece = tool(element, &mut SkippedEntries::default());
                                 file.workpieces.extend(workpiece.ok());
                             }
                             other => rest.unknown(other),
@@ -99,9 +99,9 @@ fn process_data(element: &Element<'_>) -> Option<ProcessData> {
 
 /// Skipped entries, with the reasons and their counts.
 #[derive(Default)]
-struct Rest(BTreeMap<(String, String), usize>);
+struct SkippedEntries(BTreeMap<(String, String), usize>);
 
-impl Rest {
+impl SkippedEntries {
     fn add(&mut self, kind: &str, why: &str) {
         *self.0.entry((kind.to_owned(), why.to_owned())).or_default() += 1;
     }
@@ -118,7 +118,7 @@ impl Rest {
     }
 }
 
-fn gravitation(element: &Element<'_>, rest: &mut Rest) -> Result<(), DataFileError> {
+fn gravitation(element: &Element<'_>, rest: &mut SkippedEntries) -> Result<(), DataFileError> {
     let [x, y, z] = ["x", "y", "z"].map(|key| element.number(key));
     let why = match [x?, y?, z?] {
         [0.0, 0.0, z] if z > 0.0 => "the robot is mounted upright, as programs assume".to_owned(),
@@ -128,7 +128,10 @@ fn gravitation(element: &Element<'_>, rest: &mut Rest) -> Result<(), DataFileErr
     Ok(())
 }
 
-fn world_frame(element: &Element<'_>, rest: &mut Rest) -> Result<WorldFrame, DataFileError> {
+fn world_frame(
+    element: &Element<'_>,
+    rest: &mut SkippedEntries,
+) -> Result<WorldFrame, DataFileError> {
     let mut frame = WorldFrame {
         name: element.required("name")?.to_owned(),
         frame: placed(element, "transformation")?,
@@ -190,12 +193,12 @@ fn last_part(class: &str) -> &str {
     class.rsplit(['.', '$']).next().unwrap_or(class)
 }
 
-fn measurement(rest: &mut Rest) {
+fn measurement(rest: &mut SkippedEntries) {
     rest.add("measurement", "how a frame was measured");
 }
 
 /// Counts additional information about a frame or a tool.
-fn additional(info: &Element<'_>, rest: &mut Rest) {
+fn additional(info: &Element<'_>, rest: &mut SkippedEntries) {
     let kind = info.attribute("key").or_else(|| info.attribute("type").map(last_part));
     match kind {
         Some("MeasurementInformation") => measurement(rest),
@@ -223,7 +226,10 @@ fn teaching(info: &Element<'_>) -> Result<Teaching, DataFileError> {
     })
 }
 
-fn redundancy(entry: &Element<'_>, rest: &mut Rest) -> Result<TaughtRedundancy, DataFileError> {
+fn redundancy(
+    entry: &Element<'_>,
+    rest: &mut SkippedEntries,
+) -> Result<TaughtRedundancy, DataFileError> {
     let provider = entry.attribute("transformationProviderName").unwrap_or_default();
     let device = provider.rsplit('/').next().unwrap_or_default().to_owned();
     let mut redundancy = TaughtRedundancy { device, e1_rad: None, status: None, turn: None };
@@ -256,7 +262,7 @@ fn redundancy(entry: &Element<'_>, rest: &mut Rest) -> Result<TaughtRedundancy, 
     Ok(redundancy)
 }
 
-fn tool(element: &Element<'_>, rest: &mut Rest) -> Result<ToolTemplate, DataFileError> {
+fn tool(element: &Element<'_>, rest: &mut SkippedEntries) -> Result<ToolTemplate, DataFileError> {
     let mut tool = ToolTemplate {
         name: element.required("name")?.to_owned(),
         class: element.attribute("class").map(str::to_owned),
@@ -276,7 +282,10 @@ fn tool(element: &Element<'_>, rest: &mut Rest) -> Result<ToolTemplate, DataFile
 }
 
 /// Reads the frames in an element `frames`.
-fn tool_frames(list: &Element<'_>, rest: &mut Rest) -> Result<Vec<ToolFrame>, DataFileError> {
+fn tool_frames(
+    list: &Element<'_>,
+    rest: &mut SkippedEntries,
+) -> Result<Vec<ToolFrame>, DataFileError> {
     let mut frames = Vec::new();
     for element in &list.children {
         if element.name != "frame" {
@@ -305,7 +314,11 @@ fn tool_frames(list: &Element<'_>, rest: &mut Rest) -> Result<Vec<ToolFrame>, Da
 }
 
 /// Reads the load of a tool; `None` if the load was never determined.
-fn load(element: &Element<'_>, tool: &str, rest: &mut Rest) -> Result<Option<Load>, DataFileError> {
+fn load(
+    element: &Element<'_>,
+    tool: &str,
+    rest: &mut SkippedEntries,
+) -> Result<Option<Load>, DataFileError> {
     let mass_kg = element.number("mass")?;
     if mass_kg <= 0.0 {
         let subject = format!("loadData of {tool}");

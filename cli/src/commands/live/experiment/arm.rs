@@ -4,7 +4,7 @@ use iiwa_eval::experiment::Trial;
 use iiwa_kin::Robot;
 use iiwa_link::{
     ClientError,
-    message::{Request, Samples},
+    message::{MeasuredPositions, Request},
 };
 use iiwa_log::JointLog;
 use iiwa_plan::{PlanFigures, PlanOptions};
@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// Virtual robot, or a robot behind a drive.
-pub(crate) enum Arm {
+pub(crate) enum ExperimentArm {
     Virtual(Box<VirtualArm>),
     Real {
         line: Box<DriveConnection>,
@@ -29,7 +29,7 @@ pub(crate) enum Arm {
     },
 }
 
-impl Arm {
+impl ExperimentArm {
     /// Runs a program of the robot `model` and returns the measured joint positions.
     pub(crate) fn run(&mut self, trial: &Trial, model: &Robot) -> Result<JointLog, Failure> {
         output::check_interrupt()?;
@@ -71,7 +71,7 @@ fn run_real(
             measured.samples_left_out
         ));
     }
-    let Samples { t_s, joints_rad, .. } = measured.samples;
+    let MeasuredPositions { t_s, joints_rad, .. } = measured.samples;
     let from_s = t_s.first().copied().unwrap_or_default();
     let mut log = JointLog::new(t_s.iter().map(|t_s| t_s - from_s).collect(), joints_rad);
     log.torques_nm = run.torques.at(&t_s);

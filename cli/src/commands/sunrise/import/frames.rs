@@ -11,7 +11,7 @@ use iiwa_sunrise::{DataFile, ImportedCell};
 use crate::{
     args::Import,
     failure::{Failure, print_note},
-    input::{Text, default_robot, find_robot},
+    input::{FileText, default_robot, find_robot},
     output,
     output_kind::OutputKind,
 };
@@ -41,7 +41,7 @@ pub(super) fn run(options: &Import) -> Result<(), Failure> {
         output::keep_existing(OutputKind::Frames, target, options.overwrite)?;
     }
     let robot = options.robot.as_deref().map_or_else(default_robot, find_robot)?;
-    let Text { name, text } = Text::read(&project)?;
+    let FileText { name, text } = FileText::read(&project)?;
     let file = DataFile::from_xml(&text)
         .map_err(|error| Failure::in_text(&error.message(), error.place(), &name, &text))?;
     let cell = ImportedCell::new(&file);

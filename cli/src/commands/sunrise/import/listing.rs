@@ -6,10 +6,10 @@ use iiwa_report::table;
 use iiwa_sunrise::{Application as Found, Import, ImportError};
 use serde::Serialize;
 
-use crate::{failure::Failure, output, sunrise::Application};
+use crate::{failure::Failure, output, sunrise::ApplicationArgs};
 
 #[derive(Serialize)]
-struct Listed {
+struct ListedApplication {
     application: String,
     file: String,
     line: u32,
@@ -25,7 +25,7 @@ struct Listed {
 /// Lists the applications; the user must choose one.
 pub(super) fn run(
     folder: &Path,
-    project: &Application,
+    project: &ApplicationArgs,
     applications: Vec<Found>,
     json: bool,
 ) -> Result<(), Failure> {
@@ -49,7 +49,7 @@ pub(super) fn run(
                 Err(error) => (None, 0, Some(error.to_string())),
             };
             let (file, line) = (application.file, application.line);
-            Listed {
+            ListedApplication {
                 application: application.qualified_name,
                 file,
                 line,
@@ -71,7 +71,7 @@ pub(super) fn run(
     )))
 }
 
-fn text(rows: &[Listed]) -> String {
+fn text(rows: &[ListedApplication]) -> String {
     let mut table = table(&["application", "motions", "questions", "line"]);
     for row in rows {
         let motions = row.motions.map_or_else(|| "none".to_owned(), |count| count.to_string());

@@ -13,10 +13,10 @@ use iiwa_sunrise::{DataFile, ProjectData};
 use crate::{
     args::Import as ImportArgs,
     failure::Failure,
-    input::Text,
+    input::FileText,
     output,
     output_kind::OutputKind,
-    sunrise::{Application, failure},
+    sunrise::{ApplicationArgs, failure},
 };
 
 use super::{listing, report::ProgramReport};
@@ -25,7 +25,7 @@ use super::{listing, report::ProgramReport};
 pub(super) fn run(options: &ImportArgs) -> Result<(), Failure> {
     let folder = options.project.as_path();
     let name = options.answering.application.as_deref();
-    let application = Application::read(folder, &options.answering, options.robot.as_deref())?;
+    let application = ApplicationArgs::read(folder, &options.answering, options.robot.as_deref())?;
     if name.is_none() {
         let all = Found::all(&application.project);
         if all.len() > 1 {
@@ -64,7 +64,7 @@ pub(super) fn run(options: &ImportArgs) -> Result<(), Failure> {
 /// values are zeros.
 fn write_data(
     options: &ImportArgs,
-    application: &Application,
+    application: &ApplicationArgs,
     target: &Path,
 ) -> Result<(), Failure> {
     let folder = options.project.as_path();
@@ -114,8 +114,8 @@ fn beside(target: &Path, robot: &str, overwrite: bool) -> Result<String, Failure
     let name = Path::new(profile.file_name().unwrap_or_default()).with_extension("json");
     let copy = target.with_file_name(&name);
     if !output::same_file(&copy, profile) {
-        let text = Text::read(profile)?.text;
-        if !Text::read(&copy).is_ok_and(|known| known.text == text) {
+        let text = FileText::read(profile)?.text;
+        if !FileText::read(&copy).is_ok_and(|known| known.text == text) {
             output::keep_existing(OutputKind::Profile, &copy, overwrite)?;
             output::write(&copy, text.as_bytes())?;
         }

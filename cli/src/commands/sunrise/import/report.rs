@@ -20,12 +20,12 @@ pub(super) struct ProgramReport {
     robot: Option<String>,
     flange_mm: Option<f64>,
     /// Places in the project that state robot and flange.
-    stated: Vec<Note>,
+    stated: Vec<ReportNote>,
     motions: Vec<MotionRow>,
     questions: Vec<QuestionRow>,
-    notes: Vec<Note>,
+    notes: Vec<ReportNote>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    refused: Option<Note>,
+    refused: Option<ReportNote>,
     output: Option<String>,
 }
 
@@ -51,7 +51,7 @@ struct QuestionRow {
 }
 
 #[derive(Serialize)]
-struct Note {
+struct ReportNote {
     text: String,
     file: String,
     line: u32,
@@ -65,10 +65,10 @@ impl ProgramReport {
             application: import.application.qualified_name.clone(),
             robot: import.program.robot.clone(),
             flange_mm: flange_mm(&import.program),
-            stated: import.statements.iter().map(Note::of_statement).collect(),
+            stated: import.statements.iter().map(ReportNote::of_statement).collect(),
             motions: rows(&import.program),
             questions: import.questions.iter().map(QuestionRow::new).collect(),
-            notes: import.notes.iter().map(Note::new).collect(),
+            notes: import.notes.iter().map(ReportNote::new).collect(),
             refused: None,
             output: output.map(|path| path.display().to_string()),
         }
@@ -85,8 +85,8 @@ impl ProgramReport {
             stated: Vec::new(),
             motions: rows(&refused.understood),
             questions: refused.questions.iter().map(QuestionRow::new).collect(),
-            notes: refused.notes.iter().map(Note::new).collect(),
-            refused: Some(Note { text: refused.reason.clone(), file, line }),
+            notes: refused.notes.iter().map(ReportNote::new).collect(),
+            refused: Some(ReportNote { text: refused.reason.clone(), file, line }),
             output: None,
         }
     }
@@ -226,7 +226,7 @@ impl QuestionRow {
     }
 }
 
-impl Note {
+impl ReportNote {
     fn of_statement(statement: &RobotStatement) -> Self {
         let (text, file) = (statement.words.clone(), statement.file.clone());
         Self { text, file, line: statement.line }

@@ -18,7 +18,7 @@ pub(crate) struct Curve {
 
 /// Point on the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct CurvePoint {
     /// Interval between nodes.
     pub(crate) interval: usize,
     /// Planned time, in s.
@@ -94,18 +94,18 @@ impl Curve {
         let mut state = ([0.0; 7], [0.0; 7]);
         for j in 0..7 {
             let ends = [a, b].map(|knot| [knot.q[j], knot.dq[j], knot.ddq[j]]);
-            let polynomial = Polynomial::new(ends[0], ends[1], h, self.smooth);
+            let polynomial = UnitPolynomial::new(ends[0], ends[1], h, self.smooth);
             (state.0[j], state.1[j]) = (polynomial.at(x), polynomial.slope(x) / h);
         }
         state
     }
 
     /// Returns the displacement along a direction in an interval, from its first node.
-    fn along(&self, interval: usize, unit: &Joints) -> Polynomial {
+    fn along(&self, interval: usize, unit: &Joints) -> UnitPolynomial {
         let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
         let ends =
             [a, b].map(|k| [dot(&sub(&k.q, &a.q), unit), dot(&k.dq, unit), dot(&k.ddq, unit)]);
-        Polynomial::new(ends[0], ends[1], b.t_s - a.t_s, self.smooth)
+        UnitPolynomial::new(ends[0], ends[1], b.t_s - a.t_s, self.smooth)
     }
 
     /// Returns the squared distance of `q` from the chord of an interval, beyond the length
@@ -125,7 +125,7 @@ impl Curve {
 
     /// Returns the point of an interval nearest to `q`, given its approximate position along the
     /// chord.
-    pub(crate) fn refine(&self, interval: usize, q: &Joints, along_rad: f64) -> Place {
+    pub(crate) fn refine(&self, interval: usize, q: &Joints, along_rad: f64) -> CurvePoint {
         let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
         let h = b.t_s - a.t_s;
         let length = self.arc_rad[interval + 1] - self.arc_rad[interval];
@@ -147,7 +147,7 @@ impl Curve {
             t_s = (t_s + (ahead / speed).clamp(-0.25 * h, 0.25 * h)).clamp(a.t_s, b.t_s);
             (position, v) = self.in_interval(interval, t_s);
         }
-        Place {
+        CurvePoint {
             interval,
             t_s,
             arc_rad: self.arc_rad[interval] + norm(&sub(&position, &a.q)).min(length),
@@ -192,9 +192,9 @@ impl Curve {
 }
 
 /// Polynomial over 0..=1, lowest power first.
-struct Polynomial([f64; 6]);
+struct UnitPolynomial([f64; 6]);
 
-impl Polynomial {
+impl UnitPolynomial {
     /// Creates the polynomial with the given positions, velocities and, if smooth, accelerations at
     /// both ends.
     fn new(a: [f64; 3], b: [f64; 3], h: f64, smooth: bool) -> Self {

@@ -8,7 +8,7 @@ use iiwa_log::JointLog;
 use iiwa_program::MotionIndex;
 
 use super::motion_deviation::{MotionDeviation, MotionDeviations};
-use super::plan::Plan;
+use super::plan::PlannedTrajectory;
 
 /// Deviation of the recorded path from the planned one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +70,7 @@ pub(super) struct Deviations {
 
 /// Computes the deviations in joint space and of the TCP over a range of samples.
 pub(super) fn deviations(
-    plan: &Plan,
+    plan: &PlannedTrajectory,
     log: &JointLog,
     samples: std::ops::Range<usize>,
     place_s: &[f64],
@@ -118,7 +118,7 @@ pub(super) fn deviations(
 /// Returns the distance of a point from the planned TCP path near the matched planned time: the
 /// nearest point of the TCP path is not exactly that of the nearest joint positions.
 fn tcp_distance(
-    plan: &Plan,
+    plan: &PlannedTrajectory,
     plan_s: f64,
     (planned, rate): (&Joints, &Joints),
     tcp_m: [f64; 3],
@@ -167,7 +167,7 @@ impl Sum {
         }
     }
 
-    fn deviation(&self, plan: &Plan, log: &JointLog) -> Deviation {
+    fn deviation(&self, plan: &PlannedTrajectory, log: &JointLog) -> Deviation {
         let (i, plan_s) = self.at.unwrap_or_default();
         let (planned_rad, measured_rad) = (plan.at(plan_s), log.q_rad[i]);
         Deviation {

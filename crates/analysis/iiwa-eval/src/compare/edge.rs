@@ -14,7 +14,7 @@ use iiwa_log::JointLog;
 
 use super::curve::Curve;
 use super::start_fit::StartFit;
-use crate::noise::Noise;
+use crate::noise::RecordingNoise;
 use crate::quantile::median;
 
 /// Evaluated length of a ramp, in rad, unless noise requires more.
@@ -57,7 +57,7 @@ pub(crate) struct Edge {
 
 /// Stop in the plan.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stop<'a> {
+pub(crate) struct PlannedStop<'a> {
     pub(crate) curve: &'a Curve,
     /// Planned time of departure or arrival, in s.
     pub(crate) at_s: f64,
@@ -79,13 +79,13 @@ pub(crate) struct Unclear {
     pub(crate) distance_rad: f64,
 }
 
-impl Stop<'_> {
+impl PlannedStop<'_> {
     /// Finds the time of departure or arrival, within a range of samples around the stop.
     pub(crate) fn find(
         &self,
         log: &JointLog,
         samples: std::ops::Range<usize>,
-        noise: &Noise,
+        noise: &RecordingNoise,
     ) -> Result<Edge, Unclear> {
         let knot = self.knot();
         let planned = self.curve.knots()[knot].q;
@@ -125,7 +125,7 @@ impl Stop<'_> {
         &self,
         log: &JointLog,
         samples: std::ops::Range<usize>,
-        noise: &Noise,
+        noise: &RecordingNoise,
         planned: &Joints,
         sway_rad: f64,
     ) -> Option<(Joints, usize)> {
@@ -187,7 +187,7 @@ impl Stop<'_> {
         knot: usize,
         rest: &Joints,
         index: usize,
-        noise: &Noise,
+        noise: &RecordingNoise,
     ) -> Option<Edge> {
         let (curve, leaves) = (self.curve, self.side == Side::Leaves);
         let sign = if leaves { 1.0 } else { -1.0 };

@@ -6,10 +6,10 @@ use iiwa_kin::{
 };
 use iiwa_log::JointLog;
 
-use super::curve::{Curve, Place};
+use super::curve::{Curve, CurvePoint};
 use super::error::CompareError;
-use super::plan::{Leg, Plan};
-use crate::noise::Noise;
+use super::plan::{PlanLeg, PlannedTrajectory};
+use crate::noise::RecordingNoise;
 
 /// Largest distance of a rest from the plan's start or end, in rad.
 const ENDS_RAD: f64 = 0.05;
@@ -35,7 +35,7 @@ pub(crate) struct Followed {
 }
 
 /// Result of following the robot from one of its visits to the start.
-enum Attempt {
+enum FollowAttempt {
     Done(Vec<f64>),
     Failed { arc_rad: f64, error: CompareError },
 }
@@ -43,10 +43,10 @@ enum Attempt {
 /// Finds the plan in a recording: the first time that the robot leaves its start and follows its
 /// path to the end.
 pub(crate) fn find(
-    plan: &Plan,
-    legs: &[Leg],
+    plan: &PlannedTrajectory,
+    legs: &[PlanLeg],
     log: &JointLog,
-    noise: &Noise,
+    noise: &RecordingNoise,
 ) -> Result<Followed, CompareError> {
     let curve = &plan.curve;
     let start = curve.at(legs[0].start_s).0;
@@ -61,7 +61,7 @@ pub(crate) fn find(
         }
         let from = visit.leaves(log, &start, noise);
         match follow(plan, legs, log, noise, from) {
-            Attempt::Done(place_s) => {
+            FollowAttempt::Done(place_s) => {
                 budget = budget.saturating_sub(place_s.len());
                 match &mut followed {
                     None => followed = Some(Followed { first: from, place_s, again_s: None }),
@@ -72,7 +72,7 @@ pub(crate) fn find(
                     Some(_) => {}
                 }
             }
-            Attempt::Failed { arc_rad, error } => {
+            FollowAttempt::Failed { arc_rad, error } => {
                 budget = budget.saturating_sub(visit.to - from);
                 if best.as_ref().is_none_or(|(max_arc_rad, _)| arc_rad > *max_arc_rad) {
                     best = Some((arc_rad, error));
@@ -89,7 +89,7 @@ pub(crate) fn find(
 
 /// Returns the distance from an end of a leg within which the robot counts as being there: at most
 /// half of the leg's largest distance from that end.
-fn reach(curve: &Curve, leg: &Leg, end: &Joints) -> f64 {
+fn reach(curve: &Curve, leg: &PlanLeg, end: &Joints) -> f64 {
     let knots = curve.knots();
     let from = curve.interval_at(leg.start_s);
     let within = knots[from..].iter().take_while(|knot| knot.t_s <= leg.end_s + 1e-9);
@@ -105,7 +105,7 @@ struct Visit {
 
 impl Visit {
     /// Returns the last sample of the stay at almost the smallest distance from the start.
-    fn leaves(&self, log: &JointLog, start: &Joints, noise: &Noise) -> usize {
+    fn leaves(&self, log: &JointLog, start: &Joints, noise: &RecordingNoise) -> usize {
         let away = |i: &usize| distance(&log.q_rad[*i], start);
         let nearest = (self.from..self.to).map(|i| away(&i)).fold(f64::MAX, f64::min);
         let near = nearest + LEFT_RAD + 10.0 * noise.norm_rad();
@@ -153,7 +153,13 @@ fn never_left(log: &JointLog, start: &Joints, radius: f64) -> CompareError {
 }
 
 /// Follows the robot from a sample at the start.
-fn follow(plan: &Plan, legs: &[Leg], log: &JointLog, noise: &Noise, first: usize) -> Attempt {
+fn follow(
+    plan: &PlannedTrajectory,
+    legs: &[PlanLeg],
+    log: &JointLog,
+    noise: &RecordingNoise,
+    first: usize,
+) -> FollowAttempt {
     let curve = &plan.curve;
     let (leg, last) = (&legs[legs.len() - 1], log.t_s.len() - 1);
     let end = curve.at(leg.end_s).0;
@@ -173,7 +179,7 @@ fn follow(plan: &Plan, legs: &[Leg], log: &JointLog, noise: &Noise, first: usize
         if off > STRAYS_RAD {
             let motion = plan.motion_at(place.t_s);
             let error = CompareError::OtherPath { distance_rad: off, t_s: log.t_s[i], motion };
-            return Attempt::Failed { arc_rad: follower.arc_rad, error };
+            return FollowAttempt::Failed { arc_rad: follower.arc_rad, error };
         }
         sum += off * (follower.arc_rad - before);
         way += follower.arc_rad - before;
@@ -185,13 +191,13 @@ fn follow(plan: &Plan, legs: &[Leg], log: &JointLog, noise: &Noise, first: usize
         let motion = plan.motion_at(place_s.last().copied().unwrap_or_default());
         let left_rad = curve.length() - arc_rad;
         let error = CompareError::EndsEarly { t_s: log.t_s[last], motion, left_rad };
-        return Attempt::Failed { arc_rad, error };
+        return FollowAttempt::Failed { arc_rad, error };
     }
     if sum > STRAYS_ON_AVERAGE_RAD * way {
         let error = CompareError::OffAllAlong { mean_rad: sum / way };
-        return Attempt::Failed { arc_rad, error };
+        return FollowAttempt::Failed { arc_rad, error };
     }
-    Attempt::Done(place_s)
+    FollowAttempt::Done(place_s)
 }
 
 /// Matches samples to the curve: the nearest point of each sample is searched from the last
@@ -211,7 +217,13 @@ struct Follower<'a> {
 }
 
 impl<'a> Follower<'a> {
-    fn new(curve: &'a Curve, noise: &Noise, start_s: f64, log: &JointLog, first: usize) -> Self {
+    fn new(
+        curve: &'a Curve,
+        noise: &RecordingNoise,
+        start_s: f64,
+        log: &JointLog,
+        first: usize,
+    ) -> Self {
         let interval = curve.interval_at(start_s);
         let start = curve.knots()[interval].q;
         Self {
@@ -225,7 +237,7 @@ impl<'a> Follower<'a> {
         }
     }
 
-    fn step(&mut self, t_s: f64, q: &Joints) -> Place {
+    fn step(&mut self, t_s: f64, q: &Joints) -> CurvePoint {
         let curve = self.curve;
         let moved = norm(&sub(q, &self.before.1));
         let mut ahead = 3.0 * moved + 2.0 * self.distance_rad + self.slack_rad;

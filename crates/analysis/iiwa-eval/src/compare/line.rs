@@ -2,7 +2,7 @@
 
 /// Line t = zero + slope tau through weighted points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Line {
+pub(crate) struct WeightedLine {
     /// t at tau = 0.
     pub(crate) zero: f64,
     slope: f64,
@@ -13,7 +13,7 @@ pub(crate) struct Line {
     sums: [f64; 3],
 }
 
-impl Line {
+impl WeightedLine {
     /// Fits a line through points (tau, t, weight); through a single point with slope 1. None
     /// without points, or if t decreases with tau.
     pub(crate) fn fit(points: impl Iterator<Item = (f64, f64, f64)>) -> Option<Self> {

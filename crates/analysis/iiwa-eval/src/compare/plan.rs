@@ -11,10 +11,10 @@ use super::curve::Curve;
 
 /// Planned trajectory: joint positions over time, and the motion of the program at each time.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct PlannedTrajectory {
     robot: Robot,
     pub(crate) curve: Curve,
-    pub(crate) pieces: Vec<Piece>,
+    pub(crate) pieces: Vec<PlannedPiece>,
     types: Vec<(MotionIndex, MotionType)>,
     /// Payload during each motion, and mounting of the robot.
     loads: Vec<Option<Load>>,
@@ -23,7 +23,7 @@ pub struct Plan {
 
 /// Line, blend or rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Piece {
+pub(crate) struct PlannedPiece {
     /// Motion of the program.
     pub(crate) motion: MotionIndex,
     pub(crate) kind: PieceKind,
@@ -33,12 +33,12 @@ pub(crate) struct Piece {
 
 /// Part of a plan from one stop to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Leg {
+pub(crate) struct PlanLeg {
     pub(crate) start_s: f64,
     pub(crate) end_s: f64,
 }
 
-impl Plan {
+impl PlannedTrajectory {
     /// Creates a plan from a trajectory.
     #[must_use]
     pub fn from_trajectory(trajectory: &Trajectory) -> Self {
@@ -52,7 +52,7 @@ impl Plan {
         let pieces = trajectory.sections().iter().flat_map(iiwa_traj::Section::pieces);
         let pieces = pieces
             .filter(|piece| piece.end_s > piece.start_s)
-            .map(|piece| Piece {
+            .map(|piece| PlannedPiece {
                 motion: piece.motion,
                 kind: piece.kind,
                 start_s: piece.start_s,
@@ -99,7 +99,7 @@ impl Plan {
                     message: "a piece of motion 0; motions count from 1".to_owned(),
                 }
             })?;
-            Ok(Piece { motion, kind, start_s, end_s })
+            Ok(PlannedPiece { motion, kind, start_s, end_s })
         };
         let pieces = record.pieces.iter().map(piece).collect::<Result<_, PlanRecordError>>()?;
         let motions = record.figures().map(|figures| figures.motions).unwrap_or_default();
@@ -120,7 +120,7 @@ impl Plan {
         place.map_or_else(|_| MotionType::default(), |place| self.types[place].1)
     }
 
-    fn of(robot: Robot, mut knots: Vec<PlanNode>, pieces: Vec<Piece>) -> Self {
+    fn of(robot: Robot, mut knots: Vec<PlanNode>, pieces: Vec<PlannedPiece>) -> Self {
         // A program without motions has a single state.
         if knots.is_empty() {
             knots.push(PlanNode { t_s: 0.0, q: [0.0; 7], dq: [0.0; 7], ddq: [0.0; 7] });
@@ -202,11 +202,14 @@ impl Plan {
     }
 
     /// Returns the parts from stop to stop, in order.
-    pub(crate) fn legs(&self) -> Vec<Leg> {
+    pub(crate) fn legs(&self) -> Vec<PlanLeg> {
         self.pieces
             .chunk_by(|a, b| a.kind.moves() == b.kind.moves())
             .filter(|pieces| pieces[0].kind.moves())
-            .map(|pieces| Leg { start_s: pieces[0].start_s, end_s: pieces[pieces.len() - 1].end_s })
+            .map(|pieces| PlanLeg {
+                start_s: pieces[0].start_s,
+                end_s: pieces[pieces.len() - 1].end_s,
+            })
             .collect()
     }
 }

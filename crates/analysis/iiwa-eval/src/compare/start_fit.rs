@@ -1,6 +1,6 @@
 //! Start time of a motion, from the samples after the start.
 
-use super::line::Line;
+use super::line::WeightedLine;
 use super::start_law::StartLaw;
 
 /// Number of times that the fitted part of the way is halved to find a part with one law.
@@ -29,7 +29,7 @@ pub(super) struct StartFit<'a> {
 impl StartFit<'_> {
     /// Returns the line whose zero is the start. `plan` returns the planned time and speed for a
     /// way, and is preferred.
-    pub(super) fn best(&self, plan: &dyn Fn(f64) -> Option<(f64, f64)>) -> Option<Line> {
+    pub(super) fn best(&self, plan: &dyn Fn(f64) -> Option<(f64, f64)>) -> Option<WeightedLine> {
         let whole = self.points.last()?.0;
         let planned = self.fit(plan, whole);
         // Soft starts look like hard ones that begin later: only the whole way shows the
@@ -49,7 +49,7 @@ impl StartFit<'_> {
     }
 
     /// Returns true if a line fits significantly worse than another one through the same points.
-    fn is_worse(&self, line: &Line, other: &Line) -> bool {
+    fn is_worse(&self, line: &WeightedLine, other: &WeightedLine) -> bool {
         if self.tracks {
             return other.miss() < 0.8 * line.miss();
         }
@@ -70,7 +70,7 @@ impl StartFit<'_> {
     }
 
     /// Returns the best fit of all soft or of all other laws.
-    fn any(&self, tops: impl Iterator<Item = f64>, is_soft: bool) -> Option<Line> {
+    fn any(&self, tops: impl Iterator<Item = f64>, is_soft: bool) -> Option<WeightedLine> {
         let whole = self.points.last()?.0;
         let laws =
             tops.flat_map(|top| StartLaw::all(is_soft, self.tracks).map(move |law| (law, top)));
@@ -79,15 +79,15 @@ impl StartFit<'_> {
             let line = self.fit(&|p| Some(law.time(p)), top)?;
             Some(line).filter(|line| line.points >= min_points)
         });
-        let rank = |line: &Line| {
+        let rank = |line: &WeightedLine| {
             if self.tracks { line.miss() } else { line.error(self.sigma) }
         };
         lines.reduce(|a, b| if rank(&b) < rank(&a) { b } else { a })
     }
 
-    fn fit(&self, law: &dyn Fn(f64) -> Option<(f64, f64)>, top: f64) -> Option<Line> {
+    fn fit(&self, law: &dyn Fn(f64) -> Option<(f64, f64)>, top: f64) -> Option<WeightedLine> {
         let points = self.points.iter().filter(|point| point.0 <= top);
-        Line::fit(points.filter_map(|&(p, t_s)| {
+        WeightedLine::fit(points.filter_map(|&(p, t_s)| {
             let (tau, speed) = law(p)?;
             Some((tau, t_s, speed * speed))
         }))

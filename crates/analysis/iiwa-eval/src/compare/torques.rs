@@ -6,7 +6,7 @@ use iiwa_kin::{Dynamics, Joints};
 use iiwa_log::JointLog;
 use iiwa_program::MotionIndex;
 
-use super::plan::Plan;
+use super::plan::PlannedTrajectory;
 use crate::exerted::exerted;
 
 /// Recorded torques minus the torques required by the plan at the same point, in Nm. Both are
@@ -31,7 +31,7 @@ pub struct TorqueDifference {
 /// Computes the differences over a range of samples with their matched planned times; none without
 /// torques.
 pub(super) fn differences(
-    plan: &Plan,
+    plan: &PlannedTrajectory,
     log: &JointLog,
     samples: Range<usize>,
     place_s: &[f64],

@@ -170,8 +170,8 @@ fn shares() -> Vec<CartesianMotion> {
 fn turns() -> Vec<CartesianMotion> {
     /// Angle of the corner; rotation and E1 at the corner; rotation and E1 after it. All in
     /// degrees.
-    type Turn = (f64, [f64; 3], f64, [f64; 3], f64);
-    const TURNS: [Turn; 7] = [
+    type CornerTurn = (f64, [f64; 3], f64, [f64; 3], f64);
+    const TURNS: [CornerTurn; 7] = [
         (90.0, [15.0, 0.0, 0.0], 0.0, [15.0, 20.0, 0.0], 0.0),
         (60.0, [0.0, 0.0, 20.0], 0.0, [0.0, 0.0, -20.0], 0.0),
         (120.0, [25.0, 0.0, 0.0], 0.0, [-25.0, 0.0, 0.0], 0.0),
@@ -180,7 +180,7 @@ fn turns() -> Vec<CartesianMotion> {
         (0.0, [0.0; 3], 15.0, [0.0; 3], 0.0),
         (120.0, [10.0, 15.0, 0.0], 10.0, [-10.0, 0.0, 15.0], -10.0),
     ];
-    let corner = |(angle_deg, turn, e1_deg, turn_behind, e1_behind_deg): Turn| {
+    let corner = |(angle_deg, turn, e1_deg, turn_behind, e1_behind_deg): CornerTurn| {
         let corner = Waypoint::about(0.0, 0.0).turned(turn, e1_deg);
         let end = Waypoint::about(INTO_MM, angle_deg).turned(turn_behind, e1_behind_deg);
         [Waypoint::about(INTO_MM, 180.0).lin(), blended(corner.lin(), BLEND_MM), end.lin()]

@@ -3,7 +3,7 @@
 //! The path does not depend on time, and neither does the fit: it minimises the distances of the
 //! samples from the curve.
 
-use crate::least_squares::{self, Model};
+use crate::least_squares::{self, FitModel};
 
 /// Range of corner angles, in degrees, at which samples show the curve.
 const GAMMA_DEG: std::ops::RangeInclusive<f64> = 3.0..=177.0;
@@ -11,7 +11,7 @@ const GAMMA_DEG: std::ops::RangeInclusive<f64> = 3.0..=177.0;
 /// Corner of a path, in joint space or of the TCP: the target that is blended away, and the
 /// directions into and out of the corner.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corner<const N: usize> {
+pub(super) struct PathCorner<const N: usize> {
     target: [f64; N],
     into: [f64; N],
     /// Unit vector perpendicular to `into`, on the side of the outgoing line.
@@ -32,7 +32,7 @@ fn unit<const N: usize>(a: &[f64; N]) -> [f64; N] {
     a.map(|v| scale * v)
 }
 
-impl<const N: usize> Corner<N> {
+impl<const N: usize> PathCorner<N> {
     /// Creates the corner at a target between two points; none if it is too straight or too sharp.
     pub(super) fn new(target: &[f64; N], before: &[f64; N], after: &[f64; N]) -> Option<Self> {
         let into = unit(&sub(target, before));
@@ -84,7 +84,7 @@ struct Bend<'a> {
 }
 
 /// Point of the curve, its tangent, and its derivatives by the parameters.
-struct Point {
+struct BlendPoint {
     at: [f64; 2],
     slope: [f64; 2],
     by: [[f64; 2]; 3],
@@ -102,7 +102,7 @@ fn weights(s: f64) -> [[f64; 2]; 2] {
 impl Bend<'_> {
     /// Returns a point of the curve (Larsen 2019, Eq. 39) for `s` in [0, 1], or of the lines before
     /// and after it.
-    fn point(&self, [kappa, before, after]: [f64; 3], s: f64) -> Point {
+    fn point(&self, [kappa, before, after]: [f64; 3], s: f64) -> BlendPoint {
         let out = self.out;
         let on_curve = s.clamp(0.0, 1.0);
         let beyond = s - on_curve;
@@ -115,7 +115,7 @@ impl Bend<'_> {
         let join = |first: f64, second: f64| [first + second * out[0], second * out[1]];
         let slope = join(first_slope * before, second_slope * after);
         let joined = join(first * before, second * after);
-        Point {
+        BlendPoint {
             at: [joined[0] + beyond * slope[0], joined[1] + beyond * slope[1]],
             slope,
             by: [
@@ -127,7 +127,7 @@ impl Bend<'_> {
     }
 }
 
-impl Model<3> for Bend<'_> {
+impl FitModel<3> for Bend<'_> {
     fn samples(&self, parameters: &[f64; 3], mut each: impl FnMut(f64, [f64; 3])) {
         let [_, before, _] = *parameters;
         // Samples are in order: the nearest point of one sample is a good guess for the next.
@@ -186,7 +186,7 @@ impl BlendCurve {
     /// Fits the curve of a blend with the expected `kappa` and `reach` on either side; none if the
     /// samples do not determine it.
     pub(super) fn fit<const N: usize>(
-        corner: &Corner<N>,
+        corner: &PathCorner<N>,
         samples: &[[f64; 2]],
         kappa: f64,
         reach: f64,
@@ -236,7 +236,7 @@ mod tests {
         const STEP: f64 = 1e-6;
         let before = [-0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         let after = [0.2, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0];
-        let corner = Corner::new(&[0.0; 7], &before, &after).unwrap();
+        let corner = PathCorner::new(&[0.0; 7], &before, &after).unwrap();
         let (sin, cos) = corner.gamma_rad.sin_cos();
         let bend = Bend { samples: &[], out: [cos, sin] };
         let (kappa, reach) = (1.7, 0.1);
@@ -249,7 +249,7 @@ mod tests {
             let point = bend.point([kappa, reach, reach], s);
             assert!((point.at[0] - expected[0]).hypot(point.at[1] - expected[1]) < 1e-15);
             // Slopes and derivatives by the parameters agree with finite differences.
-            let slope = |to: &Point| [0, 1].map(|k| (to.at[k] - point.at[k]) / STEP);
+            let slope = |to: &BlendPoint| [0, 1].map(|k| (to.at[k] - point.at[k]) / STEP);
             let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-4;
             if s < 1.0 {
                 assert!(near(slope(&bend.point([kappa, reach, reach], s + STEP)), point.slope));

@@ -30,7 +30,7 @@ const ASTRAY_M: f64 = 0.02;
 
 /// Section of a recording: steps of its path, and samples.
 #[derive(Clone, Debug)]
-pub(super) struct Section {
+pub(super) struct RecordedSection {
     pub(super) steps: Range<usize>,
     pub(super) samples: Range<usize>,
 }
@@ -55,7 +55,12 @@ struct FollowedStep<'a> {
 impl Courses {
     /// Evaluates one section; `path` is the path of the program under the assumptions, with the
     /// identified kappa.
-    pub(super) fn observe(&mut self, watched: &Watched<'_>, path: &JointPath, section: &Section) {
+    pub(super) fn observe(
+        &mut self,
+        watched: &Watched<'_>,
+        path: &JointPath,
+        section: &RecordedSection,
+    ) {
         let steps = path.steps().get(section.steps.clone()).unwrap_or_default();
         let followed: Vec<_> = steps.iter().filter_map(|step| follow(watched, step)).collect();
         if followed.iter().all(|step| step.part.is_none()) {

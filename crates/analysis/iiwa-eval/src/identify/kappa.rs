@@ -1,6 +1,6 @@
 //! kappa over gamma, from the observed blends.
 
-use crate::estimate::{Estimate, Linear, Row};
+use crate::estimate::{Estimate, Linear, LinearRow};
 
 /// kappa as a polynomial of gamma (Larsen 2019, Eq. 38).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,11 @@ impl Kappa {
     pub(super) fn fit(blends: &[KappaAt], model: impl Fn(f64) -> f64) -> Option<Self> {
         let rows: Vec<_> = blends
             .iter()
-            .map(|&(gamma_deg, (value, deviation))| Row { by: powers(gamma_deg), value, deviation })
+            .map(|&(gamma_deg, (value, deviation))| LinearRow {
+                by: powers(gamma_deg),
+                value,
+                deviation,
+            })
             .collect();
         let angles = || blends.iter().map(|(gamma_deg, _)| *gamma_deg);
         let gamma_deg = [angles().fold(f64::MAX, f64::min), angles().fold(0.0, f64::max)];

@@ -11,7 +11,7 @@ use iiwa_program::{LimitKind, Motion, MotionIndex};
 use iiwa_traj::RampStart;
 
 use crate::identify::{
-    blends::{BlendCurve, Corner},
+    blends::{BlendCurve, PathCorner},
     findings::Findings,
     limits::{self, Bound},
     observation::{BlendObservation, FEWEST, LEFT_SHARE, LeftOut, LineLaw, LineObservation, Why},
@@ -275,7 +275,7 @@ impl Observer<'_> {
             }
             let kappa = self.watched.path.robot().kappa(gamma_deg);
             let Some([before, target, after]) = self.watched.corner(motion) else { continue };
-            let Some(corner) = Corner::new(&target, &before, &after) else { continue };
+            let Some(corner) = PathCorner::new(&target, &before, &after) else { continue };
             let (start, end) = (segment.at(0.0).q, segment.at(1.0).q);
             let reach_rad = distance(&target, &start);
             // The lines on either side show the start and end of the blend; the next blend must not

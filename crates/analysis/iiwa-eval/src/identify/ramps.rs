@@ -4,7 +4,7 @@
 //! Nothing is differentiated, so that noise is averaged over the whole motion instead of being
 //! amplified: top speed, acceleration and jerk follow from the parameters of the way over time.
 
-use crate::least_squares::{self, Fit, Model};
+use crate::least_squares::{self, Fit, FitModel};
 
 /// Parameters: start position, length of the way, middle of the duration, and the durations of the
 /// phases: jerk, constant acceleration, constant speed.
@@ -79,7 +79,7 @@ fn shape(t: f64, [jerk_s, push_s, cruise_s]: [f64; 3]) -> f64 {
     if t < 0.0 { way } else { 1.0 - way }
 }
 
-impl Model<COUNT> for RampLine<'_> {
+impl FitModel<COUNT> for RampLine<'_> {
     fn samples(&self, p: &[f64; COUNT], mut each: impl FnMut(f64, [f64; COUNT])) {
         const STEP_S: f64 = 1e-6;
         let durations = [p[JERK], p[PUSH], p[CRUISE]];
@@ -136,20 +136,20 @@ impl Ramps {
     /// a phase of constant acceleration that noise had hidden, jerk would be too small in all
     /// motions alike, and averaging would not reveal it.
     fn of(free: &Fit<COUNT>, fit: &Fit<COUNT>) -> Self {
-        type Parameters = [f64; COUNT];
-        let half = |p: &Parameters| 0.5 * p[CRUISE] + 2.0 * p[JERK] + p[PUSH];
-        let speed = |p: &Parameters| p[WAY].abs() / (2.0 * p[JERK] + p[PUSH] + p[CRUISE]);
-        let acceleration = |p: &Parameters| speed(p) / (p[JERK] + p[PUSH]);
+        type PhaseDurations = [f64; COUNT];
+        let half = |p: &PhaseDurations| 0.5 * p[CRUISE] + 2.0 * p[JERK] + p[PUSH];
+        let speed = |p: &PhaseDurations| p[WAY].abs() / (2.0 * p[JERK] + p[PUSH] + p[CRUISE]);
+        let acceleration = |p: &PhaseDurations| speed(p) / (p[JERK] + p[PUSH]);
         let shows = |phase: usize| fit.parameters[phase] >= SHOWN_S;
-        let estimate_by = |fit: &Fit<COUNT>, figure: &dyn Fn(&Parameters) -> f64| {
+        let estimate_by = |fit: &Fit<COUNT>, figure: &dyn Fn(&PhaseDurations) -> f64| {
             (figure(&fit.parameters), fit.deviation_of(figure))
         };
-        let observed = |figure: &dyn Fn(&Parameters) -> f64| {
+        let observed = |figure: &dyn Fn(&PhaseDurations) -> f64| {
             let (value, deviation) = estimate_by(fit, figure);
             let certain = (figure(&free.parameters) - value).abs() <= deviation;
             if certain { (value, deviation) } else { estimate_by(free, figure) }
         };
-        let time = |figure: &dyn Fn(&Parameters) -> f64| {
+        let time = |figure: &dyn Fn(&PhaseDurations) -> f64| {
             let (time_s, deviation_s) = estimate_by(fit, figure);
             (time_s, deviation_s.hypot(figure(&free.parameters) - time_s))
         };

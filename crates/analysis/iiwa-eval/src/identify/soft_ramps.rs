@@ -7,7 +7,7 @@ use crate::{
         ramps::Observed,
         soft_shape::{SoftLine, SoftShape},
     },
-    least_squares::{self, Fit, Model},
+    least_squares::{self, Fit, FitModel},
 };
 
 /// Parameters: start position and time, length of the way, top speed and acceleration, and for the
@@ -144,7 +144,7 @@ impl SoftSamples<'_> {
     }
 }
 
-impl Model<COUNT> for SoftSamples<'_> {
+impl FitModel<COUNT> for SoftSamples<'_> {
     fn samples(&self, p: &SoftParameters, mut each: impl FnMut(f64, SoftParameters)) {
         const STEP: f64 = 1e-6;
         let shape = SoftShape::new(&self.line(p));

@@ -44,7 +44,7 @@ pub(super) struct FollowedStops {
 }
 
 /// Planned section.
-struct Planned {
+struct PlannedSection {
     steps: Range<usize>,
     from: Joints,
     to: Joints,
@@ -53,8 +53,8 @@ struct Planned {
 }
 
 /// Divides a path into sections from stop to stop.
-fn planned(path: &JointPath) -> Vec<Planned> {
-    let mut sections: Vec<Planned> = Vec::new();
+fn planned(path: &JointPath) -> Vec<PlannedSection> {
+    let mut sections: Vec<PlannedSection> = Vec::new();
     let mut pose_rad = *path.start_rad();
     let mut moving = false;
     let overlaps = |motion: &MotionIndex| {
@@ -66,7 +66,7 @@ fn planned(path: &JointPath) -> Vec<Planned> {
                 let end = segment.at(1.0).q;
                 match sections.last_mut().filter(|_| moving) {
                     Some(section) => (section.steps.end, section.to) = (i + 1, end),
-                    None => sections.push(Planned {
+                    None => sections.push(PlannedSection {
                         steps: i..i + 1,
                         from: pose_rad,
                         to: end,
@@ -158,7 +158,7 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
             Some(next) => slowest(log, core.end..next.start),
             None => standing_after(log, core.end, &section.to),
         };
-        let Planned { steps, from, to, settles, waits_s } = section;
+        let PlannedSection { steps, from, to, settles, waits_s } = section;
         let (samples, arrives) = (begin..end, core.end);
         passages.push(Passage { steps, from, to, samples, arrives, settles, waits_s });
         begin = end;
@@ -167,7 +167,7 @@ pub(super) fn follow(path: &JointPath, log: &JointLog, from: usize) -> Option<Fo
 }
 
 /// Returns the largest distance of a section from its start.
-fn farthest(path: &JointPath, section: &Planned) -> f64 {
+fn farthest(path: &JointPath, section: &PlannedSection) -> f64 {
     const PLACES: u32 = 8;
     let away = |segment: &dyn Segment| {
         let places = (1..=PLACES).map(|i| segment.at(f64::from(i) / f64::from(PLACES)).q);

@@ -8,7 +8,7 @@ use iiwa_path::Step;
 use iiwa_program::{Motion, MotionIndex};
 
 use crate::identify::{
-    blends::{BlendCurve, Corner},
+    blends::{BlendCurve, PathCorner},
     findings::Findings,
     observation::{FEWEST, LEFT_SHARE, LeftOut, TcpBlendObservation, Why},
     stops::Passage,
@@ -44,7 +44,7 @@ pub(super) fn observe(watched: &Watched<'_>, passage: &Passage, findings: &mut F
         let Some(ends) = watched.corner(motion) else { continue };
         let ends = ends.each_ref().map(place);
         let [before, target, after] = &ends;
-        let Some(corner) = Corner::new(target, before, after) else { continue };
+        let Some(corner) = PathCorner::new(target, before, after) else { continue };
         let [start, middle] = [0.0, 0.5].map(|s| place(&segment.at(s).q));
         let reach_m = distance(target, &start);
         let planned_m = planned_reach(watched, motion, &ends);

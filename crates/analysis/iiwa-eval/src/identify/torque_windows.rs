@@ -11,14 +11,14 @@ pub(super) struct TorqueWindow {
     pub(super) torque_nm: Joints,
     /// Instants whose weighted sum is the mean of any quantity over the window (Gauss's rule with
     /// three points).
-    pub(super) instants: [Instant; 3],
+    pub(super) instants: [WindowInstant; 3],
     /// Activity of each joint, if it is the same throughout the window.
     pub(super) does: [Option<JointDoes>; 7],
 }
 
 /// Motion state at an instant, and its weight in the mean over a window.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Instant {
+pub(super) struct WindowInstant {
     pub(super) share: f64,
     pub(super) q_rad: Joints,
     pub(super) velocity_rad_s: Joints,
@@ -140,7 +140,7 @@ fn window(
             None
         }
     });
-    let instant = |(x, share): (f64, f64)| Instant {
+    let instant = |(x, share): (f64, f64)| WindowInstant {
         share,
         q_rad: std::array::from_fn(|j| {
             q[0][j] + cubics[j].dot(&Vector4::new(1.0, x, x * x, x * x * x))

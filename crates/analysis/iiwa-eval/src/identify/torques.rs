@@ -23,9 +23,9 @@ use crate::{
     estimate::{Estimate, NORMAL_95},
     exerted::exerted,
     identify::{
-        recording::Recording,
+        recording::RecordedRun,
         torque_estimates::{LoadEstimate, TorqueEstimates},
-        torque_windows::{Instant, JointDoes, TorqueWindow, half_s, windows},
+        torque_windows::{JointDoes, TorqueWindow, WindowInstant, half_s, windows},
     },
 };
 
@@ -64,13 +64,13 @@ const FEWEST: usize = 10;
 /// Evaluates the recordings with torques; none if there are none. Also returns the recordings whose
 /// torques were not used, with the reason.
 pub(super) fn find(
-    recordings: &[Recording<'_>],
+    recordings: &[RecordedRun<'_>],
     model: &Robot,
 ) -> (Option<TorqueEstimates>, Vec<(usize, &'static str)>) {
     let mut groups: Vec<(Option<Load>, Vec<usize>)> = Vec::new();
     let mut observed = Observations::default();
     let mut unused = Vec::new();
-    for (recording, Recording { program, log }) in recordings.iter().enumerate() {
+    for (recording, RecordedRun { program, log }) in recordings.iter().enumerate() {
         if log.torques_nm.iter().flatten().next().is_none() {
             continue;
         }
@@ -148,7 +148,9 @@ impl Regressor {
     fn over(&self, window: &TorqueWindow) -> (Joints, [Joints; MOMENTS]) {
         let torques = |arm: &Dynamics| -> Joints {
             let mut mean = [0.0; 7];
-            for Instant { share, q_rad, velocity_rad_s, acceleration_rad_s2 } in &window.instants {
+            for WindowInstant { share, q_rad, velocity_rad_s, acceleration_rad_s2 } in
+                &window.instants
+            {
                 let now = arm.torques(q_rad, velocity_rad_s, acceleration_rad_s2);
                 mean.iter_mut().zip(now).for_each(|(mean, nm)| *mean += share * nm);
             }

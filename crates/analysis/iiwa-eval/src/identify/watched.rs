@@ -7,7 +7,7 @@ use iiwa_log::JointLog;
 use iiwa_path::{JointPath, PathOptions, Segment, Step};
 use iiwa_program::{Course, Fault, Motion, MotionIndex, OrientationType, Program};
 
-use crate::noise::Noise;
+use crate::noise::RecordingNoise;
 
 /// Recording with its program and planned path.
 pub(super) struct Watched<'a> {
@@ -18,7 +18,7 @@ pub(super) struct Watched<'a> {
     pub(super) path: JointPath,
     /// Override of the recording, as a share.
     pub(super) override_share: f64,
-    pub(super) noise: Noise,
+    pub(super) noise: RecordingNoise,
     /// Segments of each motion without blends.
     motions: Vec<Vec<Arc<dyn Segment>>>,
 }
@@ -56,7 +56,7 @@ impl<'a> Watched<'a> {
                 motions[motion.index()].push(Arc::clone(segment));
             }
         }
-        let noise = Noise::of(log);
+        let noise = RecordingNoise::of(log);
         Ok(Self { recording, program, log, path, override_share, noise, motions })
     }
 

@@ -11,7 +11,7 @@ use crate::{
 
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-enum Drawn<'a> {
+enum DrawnObstacle<'a> {
     Box {
         #[serde(skip_serializing_if = "Option::is_none")]
         name: Option<&'a str>,
@@ -46,7 +46,7 @@ enum Drawn<'a> {
     },
 }
 
-impl<'a> From<&'a Obstacle> for Drawn<'a> {
+impl<'a> From<&'a Obstacle> for DrawnObstacle<'a> {
     fn from(Obstacle { name, form }: &'a Obstacle) -> Self {
         match *form {
             Form::Box { center_m, size_m, rpy_rad } => {
@@ -59,7 +59,7 @@ impl<'a> From<&'a Obstacle> for Drawn<'a> {
     }
 }
 
-impl<'a> From<&'a ToolShape> for Drawn<'a> {
+impl<'a> From<&'a ToolShape> for DrawnObstacle<'a> {
     fn from(shape: &'a ToolShape) -> Self {
         match shape.form {
             ToolForm::Box { center_m, size_m, rpy_rad } => {
@@ -97,12 +97,12 @@ fn rounded(hull: &ConvexHull) -> Vec<[f64; 3]> {
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]
-        struct View<'a> {
-            obstacles: Vec<Drawn<'a>>,
-            tool: Vec<Drawn<'a>>,
+        struct SceneView<'a> {
+            obstacles: Vec<DrawnObstacle<'a>>,
+            tool: Vec<DrawnObstacle<'a>>,
         }
-        let obstacles = self.obstacles().iter().map(Drawn::from).collect();
-        View { obstacles, tool: self.tool().iter().map(Drawn::from).collect() }
+        let obstacles = self.obstacles().iter().map(DrawnObstacle::from).collect();
+        SceneView { obstacles, tool: self.tool().iter().map(DrawnObstacle::from).collect() }
             .serialize(serializer)
     }
 }

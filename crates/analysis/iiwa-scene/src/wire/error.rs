@@ -1,8 +1,8 @@
 //! Errors of reading a scene.
 
-use iiwa_json::{Place, element_at, problem};
+use iiwa_json::{JsonPlace, element_at, problem};
 
-use crate::fault::Fault;
+use crate::fault::SceneFault;
 
 /// Supported version of the scene format.
 pub(super) const VERSION: u64 = 1;
@@ -19,7 +19,7 @@ pub enum SceneError {
         /// Index of the obstacle, from 0, if the fault is in one.
         obstacle: Option<usize>,
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
     },
     /// The scene has another version.
     #[error("this is a scene of version {found}; version {VERSION} is understood, at {place}")]
@@ -27,22 +27,22 @@ pub enum SceneError {
         /// Version of the scene.
         found: u64,
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
     },
     /// The scene is well-formed but invalid.
     #[error("{fault}, at {place}")]
     Fault {
         /// Fault.
-        fault: Fault,
+        fault: SceneFault,
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
     },
 }
 
 impl SceneError {
     /// Returns the place in the text.
     #[must_use]
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &JsonPlace {
         match self {
             Self::Json { place, .. } | Self::Version { place, .. } | Self::Fault { place, .. } => {
                 place
@@ -74,7 +74,7 @@ pub(super) fn json_error(
     obstacle: Option<usize>,
     error: &serde_json::Error,
 ) -> SceneError {
-    let place = Place::of_error(text, part, error);
+    let place = JsonPlace::of_error(text, part, error);
     // Text that is not JSON at all is detected before it is divided into parts.
     let obstacle = obstacle.or_else(|| element_at(text, "obstacles", place.span.start));
     SceneError::Json { message: problem(error), obstacle, place }

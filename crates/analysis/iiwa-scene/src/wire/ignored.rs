@@ -1,6 +1,6 @@
 //! Pairs of a part of the arm and an obstacle that a scene ignores.
 
-use iiwa_json::{Place, Step, locate, problem, unknown};
+use iiwa_json::{JsonPlace, JsonStep, locate, problem, unknown};
 use schemars::JsonSchema;
 
 use super::error::SceneError;
@@ -21,16 +21,17 @@ pub(super) fn ignored_pair(
     raw: &str,
     obstacles: &[Obstacle],
 ) -> Result<IgnoredPair, SceneError> {
-    let wrong = |message: String, place: Place| SceneError::Json {
+    let wrong = |message: String, place: JsonPlace| SceneError::Json {
         message: format!("ignored pair {}: {message}", index + 1),
         obstacle: None,
         place,
     };
-    let place_of =
-        |name: usize| locate(text, &[Step::Key("ignore"), Step::Index(index), Step::Index(name)]);
+    let place_of = |name: usize| {
+        locate(text, &[JsonStep::Key("ignore"), JsonStep::Index(index), JsonStep::Index(name)])
+    };
     let [part, obstacle] = serde_json::from_str::<[String; 2]>(raw).map_err(|error| {
         let message = format!("{}; a pair is [\"link 2\", \"NAME\"]", problem(&error));
-        wrong(message, locate(text, &[Step::Key("ignore"), Step::Index(index)]))
+        wrong(message, locate(text, &[JsonStep::Key("ignore"), JsonStep::Index(index)]))
     })?;
     let link = PARTS
         .iter()

@@ -1,6 +1,6 @@
 //! JSON form of the tool of a scene.
 
-use iiwa_json::{Object, Step, are_known, excerpt, locate, tag, unknown};
+use iiwa_json::{JsonObject, JsonStep, are_known, excerpt, locate, tag, unknown};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -181,20 +181,20 @@ pub(super) fn tool_shape(
     };
     let fail = |error: serde_json::Error| prefixed(json_error(text, raw, None, &error));
     let wrong = |message: String, key: Option<&str>| {
-        let path = [Step::Key("tool"), Step::Index(index)];
-        let path = path.into_iter().chain(key.map(Step::Key)).collect::<Vec<_>>();
+        let path = [JsonStep::Key("tool"), JsonStep::Index(index)];
+        let path = path.into_iter().chain(key.map(JsonStep::Key)).collect::<Vec<_>>();
         prefixed(SceneError::Json { message, obstacle: None, place: locate(text, &path) })
     };
     let form = match tag(raw).map_err(fail)?.as_deref() {
-        Some("box") => serde_json::from_str::<Object<ToolBoxWire>>(raw).map_err(fail)?.0.into(),
+        Some("box") => serde_json::from_str::<JsonObject<ToolBoxWire>>(raw).map_err(fail)?.0.into(),
         Some("cylinder") => {
-            serde_json::from_str::<Object<ToolCylinderWire>>(raw).map_err(fail)?.0.into()
+            serde_json::from_str::<JsonObject<ToolCylinderWire>>(raw).map_err(fail)?.0.into()
         }
         Some("sphere") => {
-            serde_json::from_str::<Object<ToolSphereWire>>(raw).map_err(fail)?.0.into()
+            serde_json::from_str::<JsonObject<ToolSphereWire>>(raw).map_err(fail)?.0.into()
         }
         Some("mesh") => {
-            let wire = serde_json::from_str::<Object<ToolMeshWire>>(raw).map_err(fail)?.0;
+            let wire = serde_json::from_str::<JsonObject<ToolMeshWire>>(raw).map_err(fail)?.0;
             mesh(wire, read).map_err(|(key, message)| wrong(message, Some(key)))?
         }
         Some(other) => {

@@ -1,6 +1,6 @@
 //! Command envelope.
 
-use iiwa_json::Object;
+use iiwa_json::JsonObject;
 use iiwa_link::message::{Refusal, Request, bad_json};
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -35,8 +35,8 @@ impl Envelope {
             let reason = "the command is not text in UTF-8";
             return Err((Self::default(), Refusal::bad(reason)));
         };
-        let mut envelope = match serde_json::from_str::<Object<Self>>(text) {
-            Ok(Object(envelope)) => envelope,
+        let mut envelope = match serde_json::from_str::<JsonObject<Self>>(text) {
+            Ok(JsonObject(envelope)) => envelope,
             Err(error) => return Err((Self::named(text), bad_json(text, &error))),
         };
         if envelope.id.as_ref().is_some_and(|id| id.is_empty() || id.len() > MAX_ID_BYTES) {
@@ -59,11 +59,11 @@ impl Envelope {
     /// Returns id and robot of a malformed envelope, if readable.
     fn named(text: &str) -> Self {
         #[derive(Deserialize)]
-        struct Names {
+        struct EnvelopeNames {
             robot: Option<String>,
             id: Option<String>,
         }
-        let names = serde_json::from_str::<Names>(text).ok();
+        let names = serde_json::from_str::<EnvelopeNames>(text).ok();
         let (robot, id) = names.map(|names| (names.robot, names.id)).unwrap_or_default();
         let short = |name: &String| name.len() <= MAX_ID_BYTES;
         Self { robot: robot.filter(short), id: id.filter(short), ..Self::default() }

@@ -26,19 +26,19 @@ const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
 /// Threads that forward the commands for a robot.
 #[derive(Debug)]
 pub(super) struct Worker {
-    runs: SyncSender<Job>,
+    runs: SyncSender<CommandJob>,
     /// `true` during a run: a second run would wait for the end of the first, and then begin
     /// unexpectedly.
     is_running: Arc<AtomicBool>,
-    others: SyncSender<Job>,
+    others: SyncSender<CommandJob>,
     /// Separate queue, so that stops overtake all other commands.
-    stops: SyncSender<Job>,
+    stops: SyncSender<CommandJob>,
     /// Threads except the run thread, which may wait for the end of a run that continues without
     /// its client.
     _threads: ThreadGroup,
 }
 
-struct Job {
+struct CommandJob {
     id: String,
     request: Request,
     answer: Answer,
@@ -77,7 +77,7 @@ impl Worker {
         answer: Answer,
     ) -> Result<(), (Refusal, Answer)> {
         let is_run = matches!(request, Request::RunMotions { .. } | Request::RunTrajectory { .. });
-        let job = Job { id, request, answer };
+        let job = CommandJob { id, request, answer };
         if is_run && self.is_running.swap(true, Ordering::AcqRel) {
             let reason = "another run that was requested through the bridge is not over yet";
             return Err((Refusal::new(Code::NotIdle, reason), job.answer));
@@ -99,10 +99,10 @@ fn carry_out(
     robot: &str,
     mut client: Client,
     limit: Option<Duration>,
-    jobs: &Receiver<Job>,
+    jobs: &Receiver<CommandJob>,
     finish: &dyn Fn(),
 ) {
-    for Job { id, request, answer } in jobs {
+    for CommandJob { id, request, answer } in jobs {
         let reply = match client.reply(&request, limit) {
             Ok(reply) => CommandReply::new(Some(robot.to_owned()), Some(id), &reply),
             Err(error) => {

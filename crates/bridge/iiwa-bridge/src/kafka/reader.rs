@@ -60,7 +60,7 @@ impl Selection {
 
 /// Counts of omitted messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LeftOut {
+pub struct OmittedMessages {
     /// Messages that had arrived before.
     pub repeated: u64,
     /// Records that are not messages of this version, such as joints in CDR, which lack the
@@ -98,7 +98,7 @@ impl KafkaReader {
         kind: Kind,
         selection: &Selection,
         mut take: impl FnMut(Message) -> ControlFlow<()>,
-    ) -> Result<LeftOut, BridgeError> {
+    ) -> Result<OmittedMessages, BridgeError> {
         let mut once = Once::default();
         let read = async {
             let client = self.connector.connect().await?;
@@ -126,7 +126,7 @@ impl KafkaReader {
         &self,
         selection: &Selection,
         mut take: impl FnMut(Message) -> ControlFlow<()>,
-    ) -> Result<LeftOut, BridgeError> {
+    ) -> Result<OmittedMessages, BridgeError> {
         // Events are rare.
         let mut events = Vec::new();
         for kind in [Kind::State, Kind::Run, Kind::Conditions] {
@@ -245,7 +245,7 @@ fn message_of(record: &Record) -> Option<Message> {
 #[derive(Debug, Default)]
 struct Once {
     last: HashMap<String, (u64, u64)>,
-    left_out: LeftOut,
+    left_out: OmittedMessages,
 }
 
 impl Once {
@@ -292,6 +292,6 @@ mod tests {
         let numbers = [(1, 0), (1, 1), (1, 0), (1, 1), (1, 2), (1, 5), (2, 0), (1, 6), (2, 1)];
         let admitted = numbers.map(|(session, seq)| once.admit(&message(session, seq)));
         assert_eq!(admitted, [true, true, false, false, true, true, true, false, true]);
-        assert_eq!(once.left_out, LeftOut { repeated: 3, unreadable: 0, missing: 2 });
+        assert_eq!(once.left_out, OmittedMessages { repeated: 3, unreadable: 0, missing: 2 });
     }
 }

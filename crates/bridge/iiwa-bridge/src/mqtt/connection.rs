@@ -103,8 +103,8 @@ impl MqttConnector {
         format!("{}:{}", self.settings.host, self.settings.port)
     }
 
-    /// Opens a connection; [`Connection::next`] reports when it is established.
-    pub(super) fn open(&self, name: &str, will: Option<Will>) -> Connection {
+    /// Opens a connection; [`BrokerConnection::next`] reports when it is established.
+    pub(super) fn open(&self, name: &str, will: Option<Will>) -> BrokerConnection {
         let MqttConnection { host, port, access, client_id, version } = &self.settings;
         let id = format!("{client_id}-{name}");
         let tls = || self.tls.clone().map(|tls| Transport::Tls(TlsConfiguration::Rustls(tls)));
@@ -132,7 +132,7 @@ impl MqttConnector {
                         }
                     }
                 });
-                (Client::V3(client), task)
+                (MqttClient::V3(client), task)
             }
             MqttVersion::V5 => {
                 let mut options = v5::MqttOptions::new(id, host, *port);
@@ -157,10 +157,10 @@ impl MqttConnector {
                         }
                     }
                 });
-                (Client::V5(client), task)
+                (MqttClient::V5(client), task)
             }
         };
-        Connection { client, incoming, task }
+        BrokerConnection { client, incoming, task }
     }
 
     /// Determines whether the broker refuses the connection. An unreachable broker may become
@@ -189,7 +189,7 @@ impl MqttConnector {
 
 /// Input of a connection.
 #[derive(Debug)]
-pub(super) enum Incoming {
+pub(super) enum MqttInput {
     /// The connection is established.
     Connected,
     /// The broker has acknowledged the oldest pending message.
@@ -201,14 +201,14 @@ pub(super) enum Incoming {
         lasts: bool,
     },
     /// A message of a subscription.
-    Message(Received),
+    Message(SubscribedMessage),
     /// Any other input.
     Other,
 }
 
 /// Received input, on its way to its reader.
 struct Arrivals {
-    to: mpsc::UnboundedSender<Result<Incoming, MqttFailure>>,
+    to: mpsc::UnboundedSender<Result<MqttInput, MqttFailure>>,
     /// Number of unread messages.
     waiting: Arc<AtomicUsize>,
 }
@@ -221,14 +221,14 @@ impl Arrivals {
     }
 
     /// Forwards input without blocking; `false` after an error, or once the reader is gone.
-    fn pass(&self, event: Result<Incoming, MqttFailure>) -> bool {
+    fn pass(&self, event: Result<MqttInput, MqttFailure>) -> bool {
         match &event {
-            Ok(Incoming::Other) => return !self.to.is_closed(),
-            Ok(Incoming::Message(_)) if self.waiting.load(Ordering::Relaxed) >= INCOMING => {
+            Ok(MqttInput::Other) => return !self.to.is_closed(),
+            Ok(MqttInput::Message(_)) if self.waiting.load(Ordering::Relaxed) >= INCOMING => {
                 tracing::warn!("a command was dropped: too many arrive at once");
                 return true;
             }
-            Ok(Incoming::Message(_)) => {
+            Ok(MqttInput::Message(_)) => {
                 self.waiting.fetch_add(1, Ordering::Relaxed);
             }
             _ => {}
@@ -240,14 +240,14 @@ impl Arrivals {
 
 /// The reader's side.
 struct Arriving {
-    from: mpsc::UnboundedReceiver<Result<Incoming, MqttFailure>>,
+    from: mpsc::UnboundedReceiver<Result<MqttInput, MqttFailure>>,
     waiting: Arc<AtomicUsize>,
 }
 
 impl Arriving {
-    async fn next(&mut self) -> Result<Incoming, MqttFailure> {
+    async fn next(&mut self) -> Result<MqttInput, MqttFailure> {
         let event = self.from.recv().await.unwrap_or_else(|| Err(MqttFailure::lost()));
-        if matches!(event, Ok(Incoming::Message(_))) {
+        if matches!(event, Ok(MqttInput::Message(_))) {
             self.waiting.fetch_sub(1, Ordering::Relaxed);
         }
         event
@@ -256,7 +256,7 @@ impl Arriving {
 
 /// A message of a subscription.
 #[derive(Debug)]
-pub(super) struct Received {
+pub(super) struct SubscribedMessage {
     pub(super) payload: Bytes,
     /// The retain flag. With MQTT 3.1.1, brokers set it only for messages that were retained before
     /// the subscription.
@@ -268,42 +268,42 @@ pub(super) struct Received {
     pub(super) topic: String,
 }
 
-fn of_v3(event: Event) -> Incoming {
+fn of_v3(event: Event) -> MqttInput {
     match event {
-        Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
-        Event::Incoming(Packet::PubAck(_)) => Incoming::Acknowledged,
-        Event::Incoming(Packet::Publish(publish)) => Incoming::Message(Received {
+        Event::Incoming(Packet::ConnAck(_)) => MqttInput::Connected,
+        Event::Incoming(Packet::PubAck(_)) => MqttInput::Acknowledged,
+        Event::Incoming(Packet::Publish(publish)) => MqttInput::Message(SubscribedMessage {
             payload: publish.payload,
             is_retained: publish.retain,
             response_topic: None,
             correlation: None,
             topic: publish.topic,
         }),
-        _ => Incoming::Other,
+        _ => MqttInput::Other,
     }
 }
 
-fn of_v5(event: v5::Event) -> Incoming {
+fn of_v5(event: v5::Event) -> MqttInput {
     use v5::mqttbytes::v5::{Packet, PubAckReason};
     match event {
-        v5::Event::Incoming(Packet::ConnAck(_)) => Incoming::Connected,
+        v5::Event::Incoming(Packet::ConnAck(_)) => MqttInput::Connected,
         v5::Event::Incoming(Packet::PubAck(answer)) => {
             let reason = format!("{:?}", answer.reason);
             match answer.reason {
                 PubAckReason::Success | PubAckReason::NoMatchingSubscribers => {
-                    Incoming::Acknowledged
+                    MqttInput::Acknowledged
                 }
                 PubAckReason::NotAuthorized
                 | PubAckReason::TopicNameInvalid
                 | PubAckReason::PayloadFormatInvalid => {
-                    Incoming::Refused { why: reason, lasts: true }
+                    MqttInput::Refused { why: reason, lasts: true }
                 }
-                _ => Incoming::Refused { why: reason, lasts: false },
+                _ => MqttInput::Refused { why: reason, lasts: false },
             }
         }
         v5::Event::Incoming(Packet::Publish(publish)) => {
             let properties = publish.properties.unwrap_or_default();
-            Incoming::Message(Received {
+            MqttInput::Message(SubscribedMessage {
                 payload: publish.payload,
                 is_retained: publish.retain,
                 response_topic: properties.response_topic,
@@ -311,7 +311,7 @@ fn of_v5(event: v5::Event) -> Incoming {
                 topic: String::from_utf8_lossy(&publish.topic).into_owned(),
             })
         }
-        _ => Incoming::Other,
+        _ => MqttInput::Other,
     }
 }
 
@@ -378,13 +378,13 @@ impl MqttFailure {
 }
 
 /// A connection.
-pub(super) struct Connection {
-    client: Client,
+pub(super) struct BrokerConnection {
+    client: MqttClient,
     incoming: Arriving,
     task: JoinHandle<()>,
 }
 
-enum Client {
+enum MqttClient {
     V3(AsyncClient),
     V5(v5::AsyncClient),
 }
@@ -400,7 +400,7 @@ pub(super) enum Delivery {
     Retained,
 }
 
-impl Connection {
+impl BrokerConnection {
     /// Waits for the broker's acceptance.
     pub(super) async fn connected(&mut self) -> Result<(), MqttFailure> {
         match timeout(CONNECT_TIMEOUT, self.next()).await {
@@ -413,7 +413,7 @@ impl Connection {
     }
 
     /// Waits for the next input. Cancellation-safe.
-    pub(super) async fn next(&mut self) -> Result<Incoming, MqttFailure> {
+    pub(super) async fn next(&mut self) -> Result<MqttInput, MqttFailure> {
         self.incoming.next().await
     }
 
@@ -427,14 +427,14 @@ impl Connection {
     ) -> Result<(), MqttFailure> {
         let retain = delivery == Delivery::Retained;
         let is_sent = match &self.client {
-            Client::V3(client) => {
+            MqttClient::V3(client) => {
                 let qos = match delivery {
                     Delivery::AtMostOnce => QoS::AtMostOnce,
                     _ => QoS::AtLeastOnce,
                 };
                 client.publish(topic, qos, retain, payload).await.is_ok()
             }
-            Client::V5(client) => {
+            MqttClient::V5(client) => {
                 let qos = match delivery {
                     Delivery::AtMostOnce => v5::mqttbytes::QoS::AtMostOnce,
                     _ => v5::mqttbytes::QoS::AtLeastOnce,
@@ -454,8 +454,8 @@ impl Connection {
     /// including messages that arrive later.
     pub(super) async fn subscribe(&self, topic: &str) -> Result<(), MqttFailure> {
         let is_sent = match &self.client {
-            Client::V3(client) => client.subscribe(topic, QoS::AtLeastOnce).await.is_ok(),
-            Client::V5(client) => {
+            MqttClient::V3(client) => client.subscribe(topic, QoS::AtLeastOnce).await.is_ok(),
+            MqttClient::V5(client) => {
                 let mut filter =
                     v5::mqttbytes::v5::Filter::new(topic, v5::mqttbytes::QoS::AtLeastOnce);
                 filter.preserve_retain = true;
@@ -471,8 +471,8 @@ impl Connection {
     /// Ends the connection in an orderly way: the broker does not publish the last will.
     pub(super) async fn end(mut self) {
         let _ = match &self.client {
-            Client::V3(client) => client.disconnect().await.is_ok(),
-            Client::V5(client) => client.disconnect().await.is_ok(),
+            MqttClient::V3(client) => client.disconnect().await.is_ok(),
+            MqttClient::V5(client) => client.disconnect().await.is_ok(),
         };
         // The task ends with an error once the broker has closed the connection.
         let all_read = async { while self.next().await.is_ok() {} };
@@ -480,7 +480,7 @@ impl Connection {
     }
 }
 
-impl Drop for Connection {
+impl Drop for BrokerConnection {
     fn drop(&mut self) {
         self.task.abort();
     }

@@ -17,7 +17,7 @@ use tokio::{
 };
 
 use super::connection::{
-    Connection, Delivery, Incoming, MqttConnector, MqttFailure, Received, Will,
+    BrokerConnection, Delivery, MqttConnector, MqttFailure, MqttInput, SubscribedMessage, Will,
 };
 use crate::{
     commands::{CommandGate, CommandReply},
@@ -139,7 +139,7 @@ impl Session {
     /// Sends over a connection until the shutdown.
     async fn send(
         &mut self,
-        connection: &mut Connection,
+        connection: &mut BrokerConnection,
         (replies, replies_out): (
             &UnboundedSender<AddressedReply>,
             &mut UnboundedReceiver<AddressedReply>,
@@ -165,20 +165,20 @@ impl Session {
             let spool = Arc::clone(&self.spool);
             tokio::select! {
                 incoming = connection.next() => match incoming? {
-                    Incoming::Acknowledged => self.answered(&mut in_flight, false)?,
-                    Incoming::Refused { why, lasts: true } => {
+                    MqttInput::Acknowledged => self.answered(&mut in_flight, false)?,
+                    MqttInput::Refused { why, lasts: true } => {
                         refusals.warn(format_args!(
                             "MQTT at {}: the broker refuses messages: {why}; they are left out",
                             self.connector.address()
                         ));
                         self.answered(&mut in_flight, true)?;
                     }
-                    Incoming::Refused { why, lasts: false } => {
+                    MqttInput::Refused { why, lasts: false } => {
                         let message = format!("the broker takes no messages: {why}");
                         return Err(MqttFailure { message, is_refusal: false });
                     }
-                    Incoming::Message(received) => self.command(received, replies),
-                    Incoming::Connected | Incoming::Other => {}
+                    MqttInput::Message(received) => self.command(received, replies),
+                    MqttInput::Connected | MqttInput::Other => {}
                 },
                 Some(sample) = self.samples.recv() => {
                     connection.publish(&joints, sample, Delivery::AtMostOnce, None).await?;
@@ -207,7 +207,7 @@ impl Session {
     /// Sends the next events of the spool; `false` if the spool is empty.
     async fn send_batch(
         &mut self,
-        connection: &Connection,
+        connection: &BrokerConnection,
         in_flight: &mut InFlight,
     ) -> Result<bool, MqttFailure> {
         let batch = self.reader.batch(self.spool.spool(), BATCH, BATCH_BYTES);
@@ -237,8 +237,8 @@ impl Session {
         Ok(())
     }
 
-    fn command(&self, received: Received, replies: &UnboundedSender<AddressedReply>) {
-        let Received { payload, is_retained, response_topic, correlation, .. } = received;
+    fn command(&self, received: SubscribedMessage, replies: &UnboundedSender<AddressedReply>) {
+        let SubscribedMessage { payload, is_retained, response_topic, correlation, .. } = received;
         if is_retained && payload.is_empty() {
             // An empty payload removes a retained command from the broker.
             return;

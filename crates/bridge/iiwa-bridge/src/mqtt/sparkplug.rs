@@ -16,7 +16,7 @@ use std::{
 };
 
 use iiwa_link::threads::ThreadGroup;
-use metrics::{Metrics, Value};
+use metrics::{Metrics, SparkplugValue};
 use payload::{decode_rebirth, encode};
 use tokio::{
     sync::mpsc::{Receiver, Sender, channel},
@@ -25,7 +25,7 @@ use tokio::{
 
 use super::{
     connection::{
-        Connection, Delivery, Incoming, MqttConnection, MqttConnector, MqttFailure, Will,
+        BrokerConnection, Delivery, MqttConnection, MqttConnector, MqttFailure, MqttInput, Will,
     },
     payload::Pace,
 };
@@ -88,7 +88,7 @@ impl Sparkplug {
         runtime.block_on(connector.probe())?;
         let (changes, changes_out) = channel(BACKLOG);
         let devices = robots.iter().map(|robot| (robot.name().to_owned(), Metrics::new()));
-        let node = Node {
+        let node = EdgeNode {
             connector: Arc::new(connector),
             group: options.group.clone(),
             name: options.node.clone(),
@@ -117,7 +117,7 @@ impl Sink for Sparkplug {
 }
 
 /// The edge node.
-struct Node {
+struct EdgeNode {
     connector: Arc<MqttConnector>,
     group: String,
     name: String,
@@ -129,11 +129,12 @@ struct Node {
     seq: u8,
 }
 
-impl Node {
+impl EdgeNode {
     async fn run(mut self, mut changes: Receiver<(String, Metrics)>, shutdown: &AtomicBool) {
         let mut trouble = Trouble::default();
         while !shutdown.load(Ordering::Relaxed) {
-            let death = encode(None, &[("bdSeq".to_owned(), Value::Int64(self.births.into()))]);
+            let death =
+                encode(None, &[("bdSeq".to_owned(), SparkplugValue::Int64(self.births.into()))]);
             let will = Will { topic: self.topic("NDEATH", None), payload: death, retain: false };
             let mut connection = self.connector.open(&self.name, Some(will));
             let sent = async {
@@ -155,7 +156,7 @@ impl Node {
 
     async fn send(
         &mut self,
-        connection: &mut Connection,
+        connection: &mut BrokerConnection,
         changes: &mut Receiver<(String, Metrics)>,
         shutdown: &AtomicBool,
     ) -> Result<(), MqttFailure> {
@@ -166,7 +167,7 @@ impl Node {
         loop {
             tokio::select! {
                 incoming = connection.next() => {
-                    if let Incoming::Message(received) = incoming?
+                    if let MqttInput::Message(received) = incoming?
                         && received.topic == commands
                         && decode_rebirth(&received.payload)
                     {
@@ -180,7 +181,7 @@ impl Node {
                     if shutdown.load(Ordering::Relaxed) {
                         // The same message as after a lost connection.
                         let death =
-                            encode(None, &[("bdSeq".to_owned(), Value::Int64(self.births.into()))]);
+                            encode(None, &[("bdSeq".to_owned(), SparkplugValue::Int64(self.births.into()))]);
                         let topic = self.topic("NDEATH", None);
                         return connection.publish(&topic, death, Delivery::AtMostOnce, None).await;
                     }
@@ -190,17 +191,17 @@ impl Node {
     }
 
     /// Sends the birth messages of the node and all devices.
-    async fn be_born(&mut self, connection: &Connection) -> Result<(), MqttFailure> {
+    async fn be_born(&mut self, connection: &BrokerConnection) -> Result<(), MqttFailure> {
         self.seq = 0;
         let metrics = [
-            ("bdSeq".to_owned(), Value::Int64(self.births.into())),
-            ("Node Control/Rebirth".to_owned(), Value::Boolean(false)),
+            ("bdSeq".to_owned(), SparkplugValue::Int64(self.births.into())),
+            ("Node Control/Rebirth".to_owned(), SparkplugValue::Boolean(false)),
         ];
         let birth = encode(Some(self.next_seq()), &metrics);
         let topic = self.topic("NBIRTH", None);
         connection.publish(&topic, birth, Delivery::AtMostOnce, None).await?;
         let is_alive = |device: &&String| {
-            self.devices[*device].get(DRIVE_CONNECTED) == Some(&Value::Boolean(true))
+            self.devices[*device].get(DRIVE_CONNECTED) == Some(&SparkplugValue::Boolean(true))
         };
         for robot in self.devices.keys().filter(is_alive).cloned().collect::<Vec<_>>() {
             self.device_birth(connection, &robot).await?;
@@ -210,7 +211,7 @@ impl Node {
 
     async fn device_birth(
         &mut self,
-        connection: &Connection,
+        connection: &BrokerConnection,
         robot: &str,
     ) -> Result<(), MqttFailure> {
         let seq = self.next_seq();
@@ -229,14 +230,15 @@ impl Node {
     /// Sends the changed metrics, or a birth message if there are new metrics.
     async fn change(
         &mut self,
-        connection: &Connection,
+        connection: &BrokerConnection,
         robot: &str,
         metrics: Metrics,
     ) -> Result<(), MqttFailure> {
         let Some(device) = self.devices.get_mut(robot) else { return Ok(()) };
-        if metrics.get(DRIVE_CONNECTED) == Some(&Value::Boolean(false)) {
-            let was_alive = device.insert(DRIVE_CONNECTED.to_owned(), Value::Boolean(false));
-            if was_alive != Some(Value::Boolean(false)) {
+        if metrics.get(DRIVE_CONNECTED) == Some(&SparkplugValue::Boolean(false)) {
+            let was_alive =
+                device.insert(DRIVE_CONNECTED.to_owned(), SparkplugValue::Boolean(false));
+            if was_alive != Some(SparkplugValue::Boolean(false)) {
                 let seq = self.next_seq();
                 let topic = self.topic("DDEATH", Some(robot));
                 let death = encode(Some(seq), &[]);
@@ -244,7 +246,7 @@ impl Node {
             }
             return Ok(());
         }
-        let was_dead = device.get(DRIVE_CONNECTED) == Some(&Value::Boolean(false));
+        let was_dead = device.get(DRIVE_CONNECTED) == Some(&SparkplugValue::Boolean(false));
         if was_dead && !metrics.contains_key(DRIVE_CONNECTED) {
             // Stale data from before the drive was disconnected.
             return Ok(());

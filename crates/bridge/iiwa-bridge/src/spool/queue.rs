@@ -25,15 +25,15 @@ const LOCK: &str = "lock";
 pub struct Spool {
     pub(super) folder: PathBuf,
     max_bytes: u64,
-    state: Mutex<State>,
+    state: Mutex<QueueState>,
     _lock: File,
 }
 
 /// State of the segments.
 #[derive(Debug)]
-pub(super) struct State {
+pub(super) struct QueueState {
     /// Segments in order; all but the last one are complete.
-    pub(super) segments: VecDeque<Segment>,
+    pub(super) segments: VecDeque<SpoolSegment>,
     pub(super) tail: Appender,
     dropped: u64,
     /// Number of the segment of the last commit, and its number of committed records.
@@ -42,7 +42,7 @@ pub(super) struct State {
 
 /// A segment.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
+pub(super) struct SpoolSegment {
     pub(super) number: u64,
     pub(super) bytes: u64,
     records: u64,
@@ -77,14 +77,14 @@ impl Spool {
                 continue;
             }
             let (bytes, records) = scan(&path)?;
-            segments.push_back(Segment { number: *number, bytes, records });
+            segments.push_back(SpoolSegment { number: *number, bytes, records });
         }
         // A tail that was cut off by a crash is not continued.
         let next = numbers.last().map_or(0, |last| last + 1).max(cursor.segment + 1);
         let tail = Appender::create(&path_of(folder, next))?;
-        segments.push_back(Segment { number: next, bytes: tail.bytes(), records: 0 });
+        segments.push_back(SpoolSegment { number: next, bytes: tail.bytes(), records: 0 });
         let state =
-            Mutex::new(State { segments, tail, dropped: 0, committed: (cursor.segment, 0) });
+            Mutex::new(QueueState { segments, tail, dropped: 0, committed: (cursor.segment, 0) });
         let spool = Self { folder: folder.to_owned(), max_bytes, state, _lock: lock };
         Ok((spool, cursor))
     }
@@ -133,11 +133,11 @@ impl Spool {
         Level { bytes: state.segments.iter().map(|it| it.bytes).sum(), dropped: state.dropped }
     }
 
-    fn begin_segment(&self, state: &mut State) -> io::Result<()> {
+    fn begin_segment(&self, state: &mut QueueState) -> io::Result<()> {
         state.tail.flush()?;
         let number = state.segments.back().map_or(0, |last| last.number + 1);
         state.tail = Appender::create(&path_of(&self.folder, number))?;
-        state.segments.push_back(Segment { number, bytes: state.tail.bytes(), records: 0 });
+        state.segments.push_back(SpoolSegment { number, bytes: state.tail.bytes(), records: 0 });
         let mut bytes: u64 = state.segments.iter().map(|it| it.bytes).sum();
         // The new segment needs space for a complete segment.
         while bytes + SEGMENT_BYTES > self.max_bytes && state.segments.len() > 1 {
@@ -152,7 +152,7 @@ impl Spool {
         Ok(())
     }
 
-    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
+    pub(super) fn lock(&self) -> MutexGuard<'_, QueueState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -14,7 +14,7 @@ use super::{
 };
 
 /// A record of a queue.
-pub type Record = Vec<u8>;
+pub type QueueRecord = Vec<u8>;
 
 /// Interval at which the position of the last commit is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(1);
@@ -46,7 +46,7 @@ impl SpoolReader {
         spool: &Spool,
         max_records: usize,
         max_bytes: usize,
-    ) -> io::Result<Vec<Record>> {
+    ) -> io::Result<Vec<QueueRecord>> {
         let mut batch = Vec::new();
         let mut bytes = 0;
         while batch.len() < max_records && bytes < max_bytes {
@@ -105,7 +105,7 @@ impl SpoolReader {
         Ok(())
     }
 
-    fn record(&mut self, spool: &Spool) -> io::Result<Option<Record>> {
+    fn record(&mut self, spool: &Spool) -> io::Result<Option<QueueRecord>> {
         loop {
             let Some(is_last) = self.seek(spool)? else { return Ok(None) };
             let Some(file) = &mut self.file else { return Ok(None) };

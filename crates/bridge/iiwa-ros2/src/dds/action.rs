@@ -21,12 +21,12 @@ use tokio::sync::mpsc::UnboundedReceiver;
 
 use super::{
     error::Ros2Error,
-    execution::{Execution, Job, Progress},
+    execution::{Execution, Job, JobProgress},
     goal::Goal,
     goals::{End, Goals},
     latest::Latest,
     messages::{FollowFeedback, FollowGoal, FollowResult, Header, JointTrajectoryPoint, Time},
-    names::Names,
+    names::NodeNames,
     qos,
     received::received,
     retiming::Retiming,
@@ -35,14 +35,14 @@ use super::{
 /// Interval of feedback messages, equal to that of `joint_trajectory_controller`.
 const FEEDBACK_EVERY: Duration = Duration::from_millis(50);
 
-type Server = ActionServer<FollowGoal, FollowResult, FollowFeedback>;
+type FollowServer = ActionServer<FollowGoal, FollowResult, FollowFeedback>;
 
 /// Action server of one robot.
 pub(super) struct FollowAction {
-    server: Server,
+    server: FollowServer,
     goals: Goals,
     execution: Execution,
-    progress: UnboundedReceiver<Progress>,
+    progress: UnboundedReceiver<JobProgress>,
     latest: Arc<Latest>,
     joints: [String; 7],
     log: NodeLoggingHandle,
@@ -55,15 +55,15 @@ impl FollowAction {
     /// Creates the action server.
     pub(super) fn new(
         node: &mut Node,
-        names: &Names,
+        names: &NodeNames,
         joints: [String; 7],
         latest: Arc<Latest>,
-        (execution, progress): (Execution, UnboundedReceiver<Progress>),
+        (execution, progress): (Execution, UnboundedReceiver<JobProgress>),
     ) -> Result<Self, Ros2Error> {
         let server = node.create_action_server(
             ServiceMapping::Enhanced,
             &names.action()?,
-            &Names::action_type(),
+            &NodeNames::action_type(),
             qos::action(),
         )?;
         Ok(Self {
@@ -95,8 +95,8 @@ impl FollowAction {
         }
         while let Ok(progress) = self.progress.try_recv() {
             match progress {
-                Progress::Begun(motion) => self.motion = Some(motion),
-                Progress::Ended { end, result } => self.end(end, result),
+                JobProgress::Begun(motion) => self.motion = Some(motion),
+                JobProgress::Ended { end, result } => self.end(end, result),
             }
         }
         if self.feedback_at.elapsed() >= FEEDBACK_EVERY {
@@ -202,11 +202,11 @@ impl FollowAction {
 /// decoded from the serialised request.
 fn goal_info(request: &CancelGoalRequest) -> Option<GoalInfo> {
     #[derive(Deserialize)]
-    struct Request {
+    struct CancelledGoal {
         goal_info: GoalInfo,
     }
     let bytes = cdr_encoding::to_vec::<_, LittleEndian>(request).ok()?;
-    let (request, _) = cdr_encoding::from_bytes::<Request, LittleEndian>(&bytes).ok()?;
+    let (request, _) = cdr_encoding::from_bytes::<CancelledGoal, LittleEndian>(&bytes).ok()?;
     Some(request.goal_info)
 }
 

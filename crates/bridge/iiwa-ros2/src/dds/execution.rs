@@ -46,9 +46,9 @@ const LONGER: Duration = Duration::from_mins(1);
 /// Stage of the current job. Only [`Runner`] resets the stage to idle, so that a stop never applies
 /// to a later job.
 #[derive(Debug, Default)]
-struct Stage(AtomicU8);
+struct JobStage(AtomicU8);
 
-impl Stage {
+impl JobStage {
     const IDLE: u8 = 0;
     const RUNNING: u8 = 1;
     const STOPPING: u8 = 2;
@@ -78,7 +78,7 @@ pub(super) struct Job {
 
 /// Progress of a job.
 #[derive(Debug)]
-pub(super) enum Progress {
+pub(super) enum JobProgress {
     /// The motion that is about to run.
     Begun(Arc<TimedJoints>),
     /// The job has ended.
@@ -95,7 +95,7 @@ pub(super) enum Progress {
 #[derive(Debug)]
 pub(super) struct Execution {
     jobs: SyncSender<Job>,
-    stage: Arc<Stage>,
+    stage: Arc<JobStage>,
     _threads: ThreadGroup,
 }
 
@@ -106,11 +106,11 @@ impl Execution {
         joints: [String; 7],
         run: Client,
         stop: Client,
-        progress: UnboundedSender<Progress>,
+        progress: UnboundedSender<JobProgress>,
     ) -> Result<Self, Ros2Error> {
         let mut threads = ThreadGroup::default();
         let (jobs, jobs_in) = sync_channel(1);
-        let stage = Arc::new(Stage::default());
+        let stage = Arc::new(JobStage::default());
         let (client, shared_stage) = (Mutex::new(run), Arc::clone(&stage));
         let runner = Runner { robot, joints, client, stage: shared_stage, progress };
         threads.spawn("ros2 runs", move |shutdown| runner.run(&jobs_in, shutdown))?;
@@ -121,7 +121,7 @@ impl Execution {
 
     /// Starts a job; returns `false` if another one has not ended.
     pub(super) fn start_job(&self, job: Job) -> bool {
-        if !self.stage.advance(Stage::IDLE, Stage::RUNNING) {
+        if !self.stage.advance(JobStage::IDLE, JobStage::RUNNING) {
             return false;
         }
         match self.jobs.try_send(job) {
@@ -135,7 +135,7 @@ impl Execution {
 
     /// Stops the current job on its path, if any.
     pub(super) fn stop(&self) {
-        self.stage.advance(Stage::RUNNING, Stage::STOPPING);
+        self.stage.advance(JobStage::RUNNING, JobStage::STOPPING);
     }
 }
 
@@ -149,8 +149,8 @@ struct Runner {
     robot: Robot,
     joints: [String; 7],
     client: Mutex<Client>,
-    stage: Arc<Stage>,
-    progress: UnboundedSender<Progress>,
+    stage: Arc<JobStage>,
+    progress: UnboundedSender<JobProgress>,
 }
 
 impl Runner {
@@ -167,7 +167,7 @@ impl Runner {
             };
             self.stage.end();
             // The receiver is dropped only at the end.
-            drop(self.progress.send(Progress::Ended { end, result }));
+            drop(self.progress.send(JobProgress::Ended { end, result }));
         }
     }
 
@@ -176,12 +176,12 @@ impl Runner {
         let Job { goal, retiming, from } = job;
         let prepared = prepare(&self.robot, &goal, &retiming, from.as_ref())
             .map_err(|fault| FollowResult::new(FollowResult::INVALID_GOAL, fault))?;
-        if self.stage.is_at(Stage::STOPPING) {
+        if self.stage.is_at(JobStage::STOPPING) {
             let reason = "stopped before it began";
             return Err(FollowResult::new(FollowResult::PATH_TOLERANCE_VIOLATED, reason));
         }
         let motion = Arc::new(prepared.motion);
-        drop(self.progress.send(Progress::Begun(Arc::clone(&motion))));
+        drop(self.progress.send(JobProgress::Begun(Arc::clone(&motion))));
         let mut client = self.client.lock().unwrap_or_else(PoisonError::into_inner);
         let limit = Duration::try_from_secs_f64(motion.duration_s()).unwrap_or_default() + LONGER;
         let request =
@@ -214,14 +214,14 @@ fn failed(error: &ClientError) -> FollowResult {
 }
 
 /// Sends stops while a job is to stop.
-fn stop_runs(mut client: Client, stage: &Stage, shutdown: &AtomicBool) {
+fn stop_runs(mut client: Client, stage: &JobStage, shutdown: &AtomicBool) {
     let mut remaining = LAST_STOPS;
     loop {
         let is_over = shutdown.load(Ordering::Relaxed);
-        if is_over && (remaining == 0 || stage.is_at(Stage::IDLE)) {
+        if is_over && (remaining == 0 || stage.is_at(JobStage::IDLE)) {
             return;
         }
-        if !stage.is_at(Stage::STOPPING) {
+        if !stage.is_at(JobStage::STOPPING) {
             thread::sleep(LOOK);
             continue;
         }
@@ -235,27 +235,27 @@ fn stop_runs(mut client: Client, stage: &Stage, shutdown: &AtomicBool) {
 
 #[cfg(test)]
 mod tests {
-    use iiwa_link::message::{Run, Samples};
+    use iiwa_link::message::{MeasuredPositions, Run};
 
     use super::*;
 
     #[test]
     fn a_stop_is_for_the_present_job_only() {
-        let stage = Stage::default();
-        assert!(!stage.advance(Stage::RUNNING, Stage::STOPPING));
-        assert!(stage.advance(Stage::IDLE, Stage::RUNNING));
-        assert!(!stage.advance(Stage::IDLE, Stage::RUNNING));
-        assert!(stage.advance(Stage::RUNNING, Stage::STOPPING));
+        let stage = JobStage::default();
+        assert!(!stage.advance(JobStage::RUNNING, JobStage::STOPPING));
+        assert!(stage.advance(JobStage::IDLE, JobStage::RUNNING));
+        assert!(!stage.advance(JobStage::IDLE, JobStage::RUNNING));
+        assert!(stage.advance(JobStage::RUNNING, JobStage::STOPPING));
         stage.end();
-        assert!(stage.is_at(Stage::IDLE));
-        assert!(!stage.advance(Stage::RUNNING, Stage::STOPPING));
+        assert!(stage.is_at(JobStage::IDLE));
+        assert!(!stage.advance(JobStage::RUNNING, JobStage::STOPPING));
     }
 
     #[test]
     fn refusals_differ_from_aborted_runs() {
         let refused = |code, samples: &[f64]| {
             let joints = vec![[0.0; 7]; samples.len()];
-            let run = Run::new(Samples::new(samples.to_vec(), joints));
+            let run = Run::new(MeasuredPositions::new(samples.to_vec(), joints));
             let refusal = Refusal::new(code, "because");
             failed(&ClientError::Refused { refusal, run: Some(Box::new(run)) })
         };

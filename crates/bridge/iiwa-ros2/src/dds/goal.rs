@@ -25,7 +25,7 @@ const SAMPLE_S: f64 = 0.005;
 
 /// A point of a goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point {
+pub(super) struct GoalPoint {
     /// Time after the start, in s.
     pub(super) t_s: f64,
     pub(super) q: Joints,
@@ -37,7 +37,7 @@ pub(super) struct Point {
 /// A well-formed goal.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Goal {
-    pub(super) points: Vec<Point>,
+    pub(super) points: Vec<GoalPoint>,
     /// Tolerance of each joint about the last point at the end, in rad, if given.
     tolerance_rad: [Option<f64>; 7],
 }
@@ -74,7 +74,7 @@ impl Goal {
                 "the trajectory is to start in {ahead_s:.1} s; send it then, with a stamp of zero"
             ));
         }
-        let mut points: Vec<Point> = Vec::with_capacity(trajectory.points.len());
+        let mut points: Vec<GoalPoint> = Vec::with_capacity(trajectory.points.len());
         for (i, point) in trajectory.points.iter().enumerate() {
             let pick = |quantity: &str, values: &[f64]| {
                 order.pick(values).map_err(|fault| format!("point {}: {quantity}: {fault}", i + 1))
@@ -90,7 +90,7 @@ impl Goal {
                     i + 1
                 ));
             }
-            points.push(Point {
+            points.push(GoalPoint {
                 t_s,
                 q,
                 dq: pick("velocities", &point.velocities)?,
@@ -104,7 +104,8 @@ impl Goal {
     /// Returns the motion from the first point to the last. A goal whose first point is later than
     /// its start begins at `from`, the current position.
     pub(super) fn motion(&self, from: &Joints) -> TimedJoints {
-        let rest = |t_s: f64, q: Joints| Point { t_s, q, dq: Some([0.0; 7]), ddq: Some([0.0; 7]) };
+        let rest =
+            |t_s: f64, q: Joints| GoalPoint { t_s, q, dq: Some([0.0; 7]), ddq: Some([0.0; 7]) };
         let mut points = Vec::with_capacity(self.points.len() + 1);
         if self.points.first().is_some_and(|first| first.t_s > 0.0) {
             points.push(rest(0.0, *from));
@@ -172,7 +173,7 @@ fn steps(way_s: f64) -> usize {
 
 /// Interpolates between two points like `joint_trajectory_controller`: by quintics if both have
 /// accelerations, by cubics if they have velocities, otherwise linearly.
-fn between(a: &Point, b: &Point, share: f64) -> (f64, Joints) {
+fn between(a: &GoalPoint, b: &GoalPoint, share: f64) -> (f64, Joints) {
     let h = b.t_s - a.t_s;
     let t_s = a.t_s + share * h;
     let q = match (a.dq.zip(b.dq), a.ddq.zip(b.ddq)) {

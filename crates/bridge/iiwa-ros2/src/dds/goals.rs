@@ -34,7 +34,7 @@ pub(super) enum End {
 
 /// An accepted goal.
 #[derive(Debug)]
-struct Entry {
+struct AcceptedGoal {
     info: GoalInfo,
     status: GoalStatusEnum,
     result: Option<(FollowResult, Instant)>,
@@ -43,7 +43,7 @@ struct Entry {
 
 /// Goals of a server.
 #[derive(Debug, Default)]
-pub(super) struct Goals(Vec<Entry>);
+pub(super) struct Goals(Vec<AcceptedGoal>);
 
 impl Goals {
     /// Returns the active goal, and `true` if it is being cancelled.
@@ -65,7 +65,7 @@ impl Goals {
         if self.0.len() >= MOST {
             self.0.remove(0);
         }
-        self.0.push(Entry {
+        self.0.push(AcceptedGoal {
             info: GoalInfo { goal_id, stamp },
             status: GoalStatusEnum::Executing,
             result: None,
@@ -144,8 +144,10 @@ impl Goals {
 
     /// Returns the published goal states.
     pub(super) fn statuses(&self) -> GoalStatusArray {
-        let status =
-            |entry: &Entry| GoalStatus { goal_info: entry.info.clone(), status: entry.status };
+        let status = |entry: &AcceptedGoal| GoalStatus {
+            goal_info: entry.info.clone(),
+            status: entry.status,
+        };
         GoalStatusArray { status_list: self.0.iter().map(status).collect() }
     }
 }

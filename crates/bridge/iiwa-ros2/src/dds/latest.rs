@@ -7,7 +7,7 @@ use iiwa_link::message::DriveState;
 
 /// A stream sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sample {
+pub(super) struct StreamSample {
     /// Controller time, in s.
     pub(super) t_s: f64,
     pub(super) q: Joints,
@@ -17,20 +17,20 @@ pub(super) struct Sample {
 
 /// The latest sample, and the start time of the running trajectory, in controller time.
 #[derive(Debug, Default)]
-pub(super) struct Latest(Mutex<(Option<Sample>, Option<f64>)>);
+pub(super) struct Latest(Mutex<(Option<StreamSample>, Option<f64>)>);
 
 /// Maximum time between samples for which a velocity is computed, in s.
 const SLOWEST_S: f64 = 0.2;
 
 impl Latest {
     /// Stores the next positions.
-    pub(super) fn sample(&self, t_s: f64, q: Joints) -> Sample {
+    pub(super) fn sample(&self, t_s: f64, q: Joints) -> StreamSample {
         let (latest, _) = &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let before = latest.filter(|before| t_s > before.t_s && t_s - before.t_s < SLOWEST_S);
         let dq = before.map_or([0.0; 7], |before| {
             std::array::from_fn(|j| (q[j] - before.q[j]) / (t_s - before.t_s))
         });
-        let sample = Sample { t_s, q, dq };
+        let sample = StreamSample { t_s, q, dq };
         *latest = Some(sample);
         sample
     }
@@ -41,7 +41,7 @@ impl Latest {
         *running_since = (state == DriveState::RunningTrajectory).then_some(t_s);
     }
 
-    pub(super) fn get(&self) -> (Option<Sample>, Option<f64>) {
+    pub(super) fn get(&self) -> (Option<StreamSample>, Option<f64>) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

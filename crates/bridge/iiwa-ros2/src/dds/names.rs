@@ -13,12 +13,12 @@ const CONTROLLER: &str = "joint_trajectory_controller";
 
 /// ROS names of one robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Names {
+pub(super) struct NodeNames {
     /// Namespace of its topics: `/`, or `/cell_1`.
     namespace: String,
 }
 
-impl Names {
+impl NodeNames {
     /// Creates names in a namespace such as `/cell_1` or `cell_1/left`; an empty one, or `/`, is
     /// the root namespace.
     ///
@@ -108,14 +108,14 @@ mod tests {
             ("_", "robot"),
         ] {
             assert_eq!(namespace_of(robot), namespace);
-            assert!(Names::new(&namespace_of(robot)).is_ok());
+            assert!(NodeNames::new(&namespace_of(robot)).is_ok());
         }
     }
 
     #[test]
     fn topics_are_within_the_namespace() {
         let topic = |namespace: &str| {
-            let names = Names::new(namespace).unwrap();
+            let names = NodeNames::new(namespace).unwrap();
             let action = names.action().unwrap();
             (names.topic("joint_states").unwrap().to_string(), action.to_string())
         };
@@ -127,7 +127,7 @@ mod tests {
             (states.as_str(), action_name),
             ("/cell_1/joint_states", format!("/cell_1{action}"))
         );
-        assert!(Names::new("cell-1").is_err());
-        assert!(Names::new("a//b").is_err());
+        assert!(NodeNames::new("cell-1").is_err());
+        assert!(NodeNames::new("a//b").is_err());
     }
 }

@@ -15,9 +15,9 @@ use ros2_client::{Node, Publisher};
 
 use super::{
     error::Ros2Error,
-    latest::Sample,
+    latest::StreamSample,
     messages::{Header, JointState, Text, TfMessage, Time, Transform, TransformStamped},
-    names::Names,
+    names::NodeNames,
     qos,
 };
 
@@ -26,9 +26,9 @@ const POLL: Duration = Duration::from_millis(100);
 
 /// A sample to be published.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Measured {
+pub(super) struct MeasuredSample {
     pub(super) stamp: Time,
-    pub(super) sample: Sample,
+    pub(super) sample: StreamSample,
     /// Measured torques, if the controller measures them.
     pub(super) torques_nm: Option<Joints>,
 }
@@ -49,27 +49,27 @@ impl RobotPublisher {
     /// Creates the publishers, and publishes the description immediately.
     pub(super) fn new(
         node: &mut Node,
-        names: &Names,
+        names: &NodeNames,
         arm: Arc<Arm>,
         joints: [String; 7],
         tf_every_s: f64,
     ) -> Result<Self, Ros2Error> {
         let topic = node.create_topic(
             &names.topic("joint_states")?,
-            Names::joint_state_type(),
+            NodeNames::joint_state_type(),
             &qos::states(),
         )?;
         let states = node.create_publisher(&topic, None)?;
         // Global, like the topic of tf2's own broadcaster.
         let topic = node.create_topic(
             &ros2_client::Name::new("/", "tf")?,
-            Names::tf_type(),
+            NodeNames::tf_type(),
             &qos::transforms(),
         )?;
         let tf = node.create_publisher(&topic, None)?;
         let topic = node.create_topic(
             &names.topic("robot_description")?,
-            Names::text_type(),
+            NodeNames::text_type(),
             &qos::latched(),
         )?;
         let description = node.create_publisher(&topic, None)?;
@@ -83,7 +83,7 @@ impl RobotPublisher {
     }
 
     /// Publishes samples until the shutdown.
-    pub(super) fn run(&self, samples: &Receiver<Measured>, shutdown: &AtomicBool) {
+    pub(super) fn run(&self, samples: &Receiver<MeasuredSample>, shutdown: &AtomicBool) {
         let mut tf_at_s: Option<f64> = None;
         while !shutdown.load(Ordering::Relaxed) {
             let measured = match samples.recv_timeout(POLL) {
@@ -104,8 +104,8 @@ impl RobotPublisher {
         }
     }
 
-    fn joint_state(&self, measured: &Measured) -> JointState {
-        let Measured { stamp, sample, torques_nm } = measured;
+    fn joint_state(&self, measured: &MeasuredSample) -> JointState {
+        let MeasuredSample { stamp, sample, torques_nm } = measured;
         JointState {
             header: Header { stamp: *stamp, frame_id: String::new() },
             name: self.joints.to_vec(),
@@ -115,8 +115,8 @@ impl RobotPublisher {
         }
     }
 
-    fn transforms(&self, measured: &Measured) -> TfMessage {
-        let stamped = |frame: iiwa_log::Frame<'_>| TransformStamped {
+    fn transforms(&self, measured: &MeasuredSample) -> TfMessage {
+        let stamped = |frame: iiwa_log::FramePose<'_>| TransformStamped {
             header: Header { stamp: measured.stamp, frame_id: frame.parent.to_owned() },
             child_frame_id: frame.child.to_owned(),
             transform: Transform {

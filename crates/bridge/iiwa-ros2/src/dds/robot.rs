@@ -21,14 +21,14 @@ use super::{
     execution::Execution,
     latest::Latest,
     messages::Time,
-    names::Names,
+    names::NodeNames,
     options::{Ros2Options, Ros2Robot},
-    publisher::{Measured, RobotPublisher},
+    publisher::{MeasuredSample, RobotPublisher},
     retiming::{RetimeGoals, Retiming},
     timing_service::TimingService,
 };
 use crate::retime::{DEFAULT_TOLERANCE_RAD, MIN_TOLERANCE_RAD};
-use iiwa_bridge::message::{JointSample, Timestamp};
+use iiwa_bridge::message::{CycleSample, Timestamp};
 
 /// Maximum number of samples that wait to be published; newer ones are dropped.
 const SAMPLES: usize = 64;
@@ -43,7 +43,7 @@ const TOLERANCE: &str = "path_tolerance";
 
 /// Node of a robot.
 pub(super) struct RobotNode {
-    samples: SyncSender<Measured>,
+    samples: SyncSender<MeasuredSample>,
     latest: Arc<Latest>,
     _threads: ThreadGroup,
 }
@@ -62,7 +62,7 @@ impl RobotNode {
         robot: &Ros2Robot,
         options: &Ros2Options,
     ) -> Result<Self, Ros2Error> {
-        let names = Names::new(&robot.namespace)?;
+        let names = NodeNames::new(&robot.namespace)?;
         let joints = robot.names.joints();
         let parameters = NodeOptions::new()
             .declare_parameter(RETIME, ParameterValue::String(options.retime.name().to_owned()))
@@ -104,12 +104,12 @@ impl RobotNode {
     }
 
     /// Publishes a sample that was received at time `time`.
-    pub(super) fn sample(&self, time: Timestamp, sample: &JointSample) {
+    pub(super) fn sample(&self, time: Timestamp, sample: &CycleSample) {
         let stamp = Time::from(SystemTime::from(time));
         let torques_nm = sample.measured_nm;
         let sample = self.latest.sample(sample.t_s, sample.joints_rad);
         // Samples that do not fit into the queue would be late: they are dropped.
-        let _ = self.samples.try_send(Measured { stamp, sample, torques_nm });
+        let _ = self.samples.try_send(MeasuredSample { stamp, sample, torques_nm });
     }
 
     pub(super) fn state(&self, t_s: f64, state: DriveState) {

@@ -24,7 +24,7 @@ use ros2_client::{
 use super::{
     error::Ros2Error,
     messages::{JointTrajectory, JointTrajectoryPoint, TimeRequest, TimeResponse},
-    names::Names,
+    names::NodeNames,
     path_joints::JointOrder,
     qos,
     received::received,
@@ -67,23 +67,26 @@ impl TimingService {
     /// Creates the service and the topics.
     pub(super) fn new(
         node: &mut Node,
-        names: &Names,
+        names: &NodeNames,
         robot: Robot,
         joints: [String; 7],
     ) -> Result<Self, Ros2Error> {
         let server: PathServer = node.create_server(
             ServiceMapping::Enhanced,
             &names.topic("time_joint_path")?,
-            &Names::service_type(),
+            &NodeNames::service_type(),
             qos::service(),
             qos::service(),
         )?;
-        let topic =
-            node.create_topic(&names.topic("joint_path")?, Names::path_type(), &qos::service())?;
+        let topic = node.create_topic(
+            &names.topic("joint_path")?,
+            NodeNames::path_type(),
+            &qos::service(),
+        )?;
         let paths = node.create_subscription(&topic, None)?;
         let topic = node.create_topic(
             &names.topic("timed_joint_path")?,
-            Names::path_type(),
+            NodeNames::path_type(),
             &qos::latched(),
         )?;
         let timed = node.create_publisher(&topic, None)?;

@@ -1,6 +1,6 @@
 //! Errors of robot profiles.
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 
 use super::bounds::{KAPPA, LINKS, MASSES, MAX_BYTES, MAX_NAME, RANGES, VERSION};
 use crate::Robot;
@@ -13,7 +13,7 @@ pub enum ProfileError {
     #[error("{problem}, at {place}")]
     Json {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Description of the found and the expected text.
         problem: String,
     },
@@ -21,7 +21,7 @@ pub enum ProfileError {
     #[error("this is {found} bytes long; a robot profile has at most {MAX_BYTES}, at {place}")]
     TooLong {
         /// Place in the text: its start.
-        place: Place,
+        place: JsonPlace,
         /// Length found, in bytes.
         found: usize,
     },
@@ -29,7 +29,7 @@ pub enum ProfileError {
     #[error("this is a robot profile of version {found}; write version {VERSION}, at {place}")]
     Version {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Version found.
         found: u64,
     },
@@ -40,7 +40,7 @@ pub enum ProfileError {
     )]
     UnknownBase {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Name found.
         found: String,
     },
@@ -51,7 +51,7 @@ pub enum ProfileError {
     )]
     Name {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Name found.
         found: String,
     },
@@ -62,7 +62,7 @@ pub enum ProfileError {
     )]
     Count {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Key of the list.
         key: &'static str,
         /// Number of entries found.
@@ -74,7 +74,7 @@ pub enum ProfileError {
     #[error("both {} and {} are given; keep one of them, at {place}", .keys[0], .keys[1])]
     Both {
         /// Place in the text: the second key.
-        place: Place,
+        place: JsonPlace,
         /// The two keys.
         keys: [&'static str; 2],
     },
@@ -85,7 +85,7 @@ pub enum ProfileError {
     )]
     Inertia {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Link number, from 1.
         link: usize,
     },
@@ -96,7 +96,7 @@ pub enum ProfileError {
     )]
     Masses {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Link number, from 1.
         link: usize,
         /// Mass in `link_mass_kg`, in kg.
@@ -108,7 +108,7 @@ pub enum ProfileError {
     #[error("{quantity} is {found:?}; it must be at least {min:?} and at most {max:?}, at {place}")]
     Range {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Key, with the place in a list.
         quantity: String,
         /// Number found.
@@ -122,7 +122,7 @@ pub enum ProfileError {
     #[error("{quantity} is {found:?}; it must be above 0 and at most {max:?}, at {place}")]
     Number {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Key, with the joint (from 1) or the link (from 0).
         quantity: String,
         /// Number found, in the key's unit.
@@ -135,7 +135,7 @@ pub enum ProfileError {
 impl ProfileError {
     /// Place of the error in the text.
     #[must_use]
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &JsonPlace {
         match self {
             Self::Json { place, .. }
             | Self::TooLong { place, .. }

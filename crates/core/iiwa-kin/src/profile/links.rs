@@ -1,8 +1,8 @@
 //! Links and friction in profiles.
 
 use iiwa_json::{
-    Object,
-    Step::{Index, Key},
+    JsonObject,
+    JsonStep::{Index, Key},
     locate, numbers,
 };
 use schemars::JsonSchema;
@@ -136,9 +136,9 @@ impl FrictionWire {
 /// Reads the seven links of a profile.
 pub(super) fn bodies(
     text: &str,
-    links: &[Object<LinkWire>],
+    links: &[JsonObject<LinkWire>],
 ) -> Result<[RigidBody; 7], ProfileError> {
-    let links = (1..).zip(links).map(|(number, Object(link))| link.body(text, number));
+    let links = (1..).zip(links).map(|(number, JsonObject(link))| link.body(text, number));
     let links = links.collect::<Result<Vec<_>, _>>()?;
     let found = links.len();
     links.try_into().map_err(|_| {
@@ -174,7 +174,7 @@ pub(super) fn written(
     robot: &Robot,
     base: &Robot,
     differ: fn(&[f64], &[f64]) -> bool,
-) -> (Option<Vec<f64>>, Option<Vec<Object<LinkWire>>>) {
+) -> (Option<Vec<f64>>, Option<Vec<JsonObject<LinkWire>>>) {
     let masses = || robot.link_mass_kg().to_vec();
     if matches!(robot.links, Links::Masses(_)) {
         return (Some(masses()), None);
@@ -190,7 +190,7 @@ pub(super) fn written(
     let foot_differs = differ(&[robot.base_mass_kg], &[base.base_mass_kg]);
     if becomes_known || foot_differs || differ(&numbers(robot), &numbers(base)) {
         // Masses without `links` would be read as masses of simple shapes.
-        let links = robot.links().iter().map(|link| Object(link.into())).collect();
+        let links = robot.links().iter().map(|link| JsonObject(link.into())).collect();
         (foot_differs.then(masses), Some(links))
     } else {
         (None, None)

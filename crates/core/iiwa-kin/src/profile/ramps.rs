@@ -1,7 +1,7 @@
 //! Ramps of PTP motions in profiles.
 
 use iiwa_json::{
-    Step::{Index, Key},
+    JsonStep::{Index, Key},
     numbers,
 };
 use schemars::JsonSchema;

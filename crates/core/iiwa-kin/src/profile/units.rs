@@ -1,7 +1,7 @@
 //! Units and range checks of the numbers in profiles.
 
 use iiwa_json::{
-    Step::{self, Index, Key},
+    JsonStep::{self, Index, Key},
     locate,
 };
 
@@ -70,7 +70,7 @@ pub(super) fn kappa(
 
 pub(super) fn checked(
     text: &str,
-    path: &[Step<'_>],
+    path: &[JsonStep<'_>],
     found: f64,
     max: f64,
     quantity: impl Fn() -> String,
@@ -87,7 +87,7 @@ pub(super) fn checked(
 
 pub(super) fn within(
     text: &str,
-    path: &[Step<'_>],
+    path: &[JsonStep<'_>],
     found: f64,
     [min, max]: [f64; 2],
     quantity: impl Fn() -> String,

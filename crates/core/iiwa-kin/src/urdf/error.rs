@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 
 /// Error: a URDF is invalid or does not match a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -12,7 +12,7 @@ pub enum UrdfError {
     #[error("this is not XML: {problem}, at {place}")]
     Xml {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Message of the parser.
         problem: String,
     },
@@ -20,7 +20,7 @@ pub enum UrdfError {
     #[error("the outermost element is <{found}>; a URDF has <robot>, at {place}")]
     NotUrdf {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Element found.
         found: String,
     },
@@ -28,7 +28,7 @@ pub enum UrdfError {
     #[error("{owner} has no {missing}, at {place}")]
     Missing {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Link or joint that lacks it.
         owner: String,
         /// Name of the missing element or attribute.
@@ -38,7 +38,7 @@ pub enum UrdfError {
     #[error("{owner} is here for the second time; remove one, at {place}")]
     Duplicate {
         /// Place of the second occurrence.
-        place: Place,
+        place: JsonPlace,
         /// Name of the duplicated element.
         owner: String,
     },
@@ -48,7 +48,7 @@ pub enum UrdfError {
         if found.contains("${") { " (expand the xacro file first)" } else { "" })]
     Numbers {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Attribute name.
         attribute: String,
         /// Attribute text.
@@ -60,7 +60,7 @@ pub enum UrdfError {
     #[error("joint {joint:?} turns about the axis 0 0 0; give it a direction, at {place}")]
     ZeroAxis {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Joint name.
         joint: String,
     },
@@ -68,7 +68,7 @@ pub enum UrdfError {
     #[error("joint {joint:?} names the link {link:?}, which the file does not have, at {place}")]
     UnknownLink {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Joint name.
         joint: String,
         /// Link name.
@@ -78,7 +78,7 @@ pub enum UrdfError {
     #[error("joint {joint:?} carries link {link:?}, as another joint does already, at {place}")]
     SecondParent {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Name of the second joint.
         joint: String,
         /// Link name.
@@ -88,7 +88,7 @@ pub enum UrdfError {
     #[error("the joints above link {link:?} run in a circle, at {place}")]
     Cycle {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// A link on the cycle, or below it.
         link: String,
     },
@@ -96,7 +96,7 @@ pub enum UrdfError {
     #[error("no link is called {tip:?}; choose one of {links}, at {place}")]
     UnknownTip {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Requested tip.
         tip: String,
         /// Links of the file.
@@ -108,7 +108,7 @@ pub enum UrdfError {
     )]
     AmbiguousTip {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// The candidate links.
         links: Listed,
     },
@@ -116,7 +116,7 @@ pub enum UrdfError {
     #[error("the chain up to link {tip:?} has {found} revolute joints; the iiwa has 7, at {place}")]
     JointCount {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// End of the chain.
         tip: String,
         /// Number of revolute joints found.
@@ -126,7 +126,7 @@ pub enum UrdfError {
     #[error("joint {joint:?} is {found}; the iiwa's joints are revolute or fixed, at {place}")]
     JointKind {
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
         /// Joint name.
         joint: String,
         /// Joint type, or `mimic`.
@@ -141,7 +141,7 @@ pub enum UrdfError {
     )]
     Axis {
         /// Place in the text: the joint.
-        place: Place,
+        place: JsonPlace,
         /// Number of the first joint whose axis is off, from 1.
         number: usize,
         /// Joint name.
@@ -159,7 +159,7 @@ pub enum UrdfError {
     )]
     Tip {
         /// Place in the text: the last joint of the chain.
-        place: Place,
+        place: JsonPlace,
         /// Tip name.
         tip: String,
         /// Largest distance from the model's flange, in m.
@@ -172,7 +172,7 @@ pub enum UrdfError {
 impl UrdfError {
     /// Place of the error in the text.
     #[must_use]
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &JsonPlace {
         match self {
             Self::Xml { place, .. }
             | Self::NotUrdf { place, .. }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use nalgebra::Isometry3;
 use quick_xml::{Reader, events::Event};
 
@@ -37,7 +37,7 @@ pub struct UrdfMesh {
     /// Red, green, blue and opacity, from 0 to 1, if the URDF gives a colour.
     pub rgba: Option<[f64; 4]>,
     /// Place in the URDF.
-    pub place: Place,
+    pub place: JsonPlace,
 }
 
 impl Robot {
@@ -138,13 +138,13 @@ struct MeshDraft {
 
 /// Place of the previous mesh, from which lines are counted on. Counting from the start of the text
 /// would take time per mesh in proportion to the file length.
-struct LineCounter(Place);
+struct LineCounter(JsonPlace);
 
 impl LineCounter {
     /// The place `span`, which is not before the previous one.
-    fn next(&mut self, span: TextSpan<'_>) -> Place {
+    fn next(&mut self, span: TextSpan<'_>) -> JsonPlace {
         let from = self.0.span.start;
-        let mut place = Place::of_span(&span.text[from..], span.start - from..span.end - from);
+        let mut place = JsonPlace::of_span(&span.text[from..], span.start - from..span.end - from);
         if place.line == 1 {
             place.column += self.0.column - 1;
         }
@@ -170,7 +170,7 @@ fn references(text: &str) -> Result<Vec<MeshReference>, UrdfError> {
     let mut draft: Option<MeshDraft> = None;
     let mut material = None;
     let mut colours: HashMap<String, [f64; 4]> = HashMap::new();
-    let mut lines = LineCounter(Place { line: 1, column: 1, span: 0..0 });
+    let mut lines = LineCounter(JsonPlace { line: 1, column: 1, span: 0..0 });
     let mut all: Vec<(MeshReference, Option<Colour>)> = Vec::new();
     loop {
         let start = offset(reader.buffer_position());

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use quick_xml::{Reader, events::Event};
 
 use super::{
@@ -37,7 +37,7 @@ impl<'t> Description<'t> {
                 Err(error) => {
                     let byte = offset(reader.error_position());
                     return Err(UrdfError::Xml {
-                        place: Place::of_span(text, byte..byte + 1),
+                        place: JsonPlace::of_span(text, byte..byte + 1),
                         problem: error.to_string(),
                     });
                 }
@@ -58,7 +58,7 @@ impl<'t> Description<'t> {
                         None => "it has no element".to_owned(),
                         Some(description) => return Ok(description),
                     };
-                    let place = Place::of_span(text, text.len()..text.len());
+                    let place = JsonPlace::of_span(text, text.len()..text.len());
                     return Err(UrdfError::Xml { place, problem });
                 }
                 Ok(_) => continue,

@@ -1,6 +1,6 @@
 //! Start tags, with their attributes and places.
 
-use iiwa_json::Place;
+use iiwa_json::JsonPlace;
 use nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion};
 use quick_xml::events::BytesStart;
 
@@ -15,8 +15,8 @@ pub(super) struct TextSpan<'t> {
 }
 
 impl TextSpan<'_> {
-    pub(super) fn place(self) -> Place {
-        Place::of_span(self.text, self.start..self.end)
+    pub(super) fn place(self) -> JsonPlace {
+        JsonPlace::of_span(self.text, self.start..self.end)
     }
 }
 

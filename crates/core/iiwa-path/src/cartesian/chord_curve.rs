@@ -12,21 +12,21 @@ use super::quintic::Quintic;
 /// s is the share of the chord, unless the TCP reverses at one end.
 #[derive(Clone, Debug)]
 pub(crate) struct ChordCurve {
-    shape: Shape,
+    shape: RegularCurve,
     /// Ends of the intervals in s, with the arc lengths up to them.
-    nodes: Vec<Node>,
+    nodes: Vec<CurveNode>,
 }
 
 /// A place on a curve: the path parameter and the arc length up to this place, in m.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct CurveNode {
     s: f64,
     length_m: f64,
 }
 
 /// A curve whose tangent is not zero.
 #[derive(Clone, Debug)]
-struct Shape {
+struct RegularCurve {
     curve: Quintic<3>,
     /// The end at which the TCP reverses. The curve starts there.
     cusp: Option<Cusp>,
@@ -54,7 +54,7 @@ const REGULAR: f64 = 0.05;
 /// Polynomial close to sqrt(y) near 1 and zero at 0; value and three derivatives agree at 1.
 const ROOT: [f64; 5] = [0.0, 35.0 / 16.0, -35.0 / 16.0, 21.0 / 16.0, -5.0 / 16.0];
 
-impl Shape {
+impl RegularCurve {
     fn at(&self, s: Taylor) -> Vec3<Taylor> {
         let one = Taylor::constant(1.0);
         let s = match self.cusp {
@@ -119,8 +119,8 @@ impl ChordCurve {
     /// Creates the curve of a polynomial whose first derivative may be zero only at the end `cusp`.
     pub(crate) fn new(curve: Quintic<3>, cusp: Option<Cusp>) -> Self {
         let curve = if cusp == Some(Cusp::End) { curve.part([1.0, 0.0]) } else { curve };
-        let nodes = vec![Node { s: 0.0, length_m: 0.0 }];
-        let mut curve = Self { nodes, shape: Shape { curve, cusp } };
+        let nodes = vec![CurveNode { s: 0.0, length_m: 0.0 }];
+        let mut curve = Self { nodes, shape: RegularCurve { curve, cusp } };
         for i in 0..INTERVALS {
             let range = [i, i + 1].map(|i| f64::from(i) / f64::from(INTERVALS));
             curve.add(range, curve.shape.length_m(range), 0);
@@ -139,7 +139,7 @@ impl ChordCurve {
         for (part, length_m) in parts.into_iter().zip(lengths) {
             if is_near || halvings == MAX_HALVINGS {
                 let length_m = self.length_m() + length_m;
-                self.nodes.push(Node { s: part[1], length_m });
+                self.nodes.push(CurveNode { s: part[1], length_m });
             } else {
                 self.add(part, length_m, halvings + 1);
             }

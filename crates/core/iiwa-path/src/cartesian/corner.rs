@@ -9,7 +9,7 @@ use iiwa_kin::{
 };
 
 use super::{
-    joint_curve::{JointBlend, JointCurve, Part, TcpBlend},
+    joint_curve::{CurveInterval, JointBlend, JointCurve, TcpBlend},
     leg::Leg,
     tcp_course::Length,
     tcp_path::TcpPath,
@@ -68,7 +68,8 @@ impl CurvedCorner {
                 } else {
                     (0.0, 0.0)
                 };
-                let part = |path: &TcpPath, range| Part { range, curve: Arc::clone(&path.curve) };
+                let part =
+                    |path: &TcpPath, range| CurveInterval { range, curve: Arc::clone(&path.curve) };
                 let parts = [part(a, ranges[0]), part(b, ranges[1])];
                 (gamma_rad, Arc::new(TcpBlend { parts, kappa, turn: sub(&out, &into) }))
             }
@@ -78,9 +79,11 @@ impl CurvedCorner {
                         Some(path) => Arc::clone(&path.curve) as Arc<dyn JointCurve>,
                         None => Arc::new(Line::new(legs[side].ends_rad[0], legs[side].ends_rad[1])),
                     };
-                    Part { range: ranges[side], curve }
+                    CurveInterval { range: ranges[side], curve }
                 });
-                let rate = |part: &Part<dyn JointCurve>, s: f64| -> Result<Joints, CurveFaultAt> {
+                let rate = |part: &CurveInterval<dyn JointCurve>,
+                            s: f64|
+                 -> Result<Joints, CurveFaultAt> {
                     let joints = part.at(Taylor::variable(s));
                     let joints = joints.map_err(|fault| CurveFaultAt { s, fault })?;
                     Ok(joints.map(|joint| joint.derivatives()[1]))

@@ -152,19 +152,19 @@ impl JointCurve for Line {
 
 /// Part of a curve between two parameters.
 #[derive(Clone, Debug)]
-pub(crate) struct Part<C: ?Sized> {
+pub(crate) struct CurveInterval<C: ?Sized> {
     pub(crate) range: [f64; 2],
     pub(crate) curve: Arc<C>,
 }
 
-impl<C: ?Sized> Part<C> {
+impl<C: ?Sized> CurveInterval<C> {
     fn inner(&self, s: Taylor) -> Taylor {
         let [from, to] = self.range;
         Taylor::constant(from) + s * (to - from)
     }
 }
 
-impl<C: JointCurve + ?Sized> JointCurve for Part<C> {
+impl<C: JointCurve + ?Sized> JointCurve for CurveInterval<C> {
     fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
         self.curve.at(self.inner(s))
     }
@@ -198,7 +198,7 @@ pub(crate) struct JointBlend {
     /// TCP in the flange frame.
     pub(crate) tcp: Pose,
     /// The last part of one curve, and the first part of the other.
-    pub(crate) parts: [Part<dyn JointCurve>; 2],
+    pub(crate) parts: [CurveInterval<dyn JointCurve>; 2],
     pub(crate) kappa: f64,
     /// B'(0) - A'(1), in rad.
     pub(crate) turn: [f64; 7],
@@ -227,7 +227,7 @@ impl JointCurve for JointBlend {
 /// rotation from one to the other, E1 in proportion.
 #[derive(Debug)]
 pub(crate) struct TcpBlend {
-    pub(crate) parts: [Part<TcpCurve>; 2],
+    pub(crate) parts: [CurveInterval<TcpCurve>; 2],
     pub(crate) kappa: f64,
     /// B'(0) - A'(1), in m.
     pub(crate) turn: Vec3<f64>,

@@ -9,7 +9,7 @@ use iiwa_kin::{
 
 use super::{
     quintic::Linked,
-    site::{Found, Site, at_frame},
+    site::{Site, SiteResult, at_frame},
     spline_leg::spline,
     tcp_course::TcpCourse,
     tcp_path::TcpPath,
@@ -55,7 +55,7 @@ fn leg(
     robot: &Arc<Robot>,
     from_rad: &Joints,
     motion: &CartesianMotion,
-) -> Found<Leg> {
+) -> SiteResult<Leg> {
     if let Course::Ptp { to } = &motion.course {
         let names = [motion.tool.as_deref(), motion.base.as_deref()];
         let to_rad = program.joints_at(robot, Some(from_rad), to, names)?;

@@ -15,7 +15,7 @@ use iiwa_program::{
 };
 
 /// A result, or a fault with the key of the motion that caused it.
-pub(crate) type Found<T> = Result<T, (&'static str, CartesianFault)>;
+pub(crate) type SiteResult<T> = Result<T, (&'static str, CartesianFault)>;
 
 /// The TCP and the base of a motion.
 pub(crate) struct Site<'a> {
@@ -31,7 +31,7 @@ impl<'a> Site<'a> {
         program: &'a Program,
         robot: &'a Arc<Robot>,
         motion: &'a CartesianMotion,
-    ) -> Found<Self> {
+    ) -> SiteResult<Self> {
         let tcp = program.workcell.tcp(motion.tool.as_deref());
         let tcp = tcp.map_err(|fault| ("tool", CartesianFault::Name(fault)))?;
         Ok(Self { program, robot, base: motion.base.as_deref(), tcp })
@@ -47,7 +47,7 @@ impl<'a> Site<'a> {
         &self,
         key: &'static str,
         target: &'a TargetRef,
-    ) -> Found<(&'a Target, Pose)> {
+    ) -> SiteResult<(&'a Target, Pose)> {
         let frame = self.program.workcell.target(target, self.base);
         frame.map_err(|fault| (key, CartesianFault::Name(fault)))
     }
@@ -59,7 +59,7 @@ impl<'a> Site<'a> {
         circ: &'a Circ,
         to: &Pose,
         is_constant: bool,
-    ) -> Found<TcpCourse> {
+    ) -> SiteResult<TcpCourse> {
         let (_, aux) = self.frame("aux", &circ.aux)?;
         if let Some(angle) = circ.angle_rad
             // Up to one turn, with the rounding error of the conversion from degrees.

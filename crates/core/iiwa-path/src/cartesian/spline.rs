@@ -76,7 +76,7 @@ pub(crate) fn pieces(
     let mut start = 0;
     // A repeated point divides the spline, and so does a change of orientation or E1 alone.
     for in_place in (0..steps.len()).filter(|i| steps[*i].length_m <= SAME_M).chain([steps.len()]) {
-        let run = Run {
+        let run = SplineRun {
             first: start,
             knots: &knots[start..=in_place],
             between: &between[start..in_place],
@@ -190,7 +190,7 @@ fn by_length(series: &[Taylor; 3], length: f64) -> Rates<3> {
 }
 
 /// Consecutive segments of a spline in which the TCP moves.
-struct Run<'a> {
+struct SplineRun<'a> {
     /// Index of the first segment in the spline.
     first: usize,
     knots: &'a [Knot],
@@ -198,7 +198,7 @@ struct Run<'a> {
     steps: &'a [KnotStep],
 }
 
-impl Run<'_> {
+impl SplineRun<'_> {
     fn pieces(&self) -> Vec<SplinePiece> {
         // A single SPL segment is a straight line.
         if let ([Between::Spl { .. }], [from, to]) = (self.between, self.knots) {

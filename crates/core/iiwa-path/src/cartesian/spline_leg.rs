@@ -8,7 +8,7 @@ use iiwa_kin::{
 };
 
 use super::{
-    site::{Found, Site, at_frame},
+    site::{Site, SiteResult, at_frame},
     spline::{Between, Knot, pieces},
     tcp_course::TcpCourse,
     tcp_path::TcpPath,
@@ -24,7 +24,7 @@ pub(crate) fn spline<'a>(
     from_rad: &Joints,
     motion: &CartesianMotion,
     segments: &'a [SplineSegment],
-) -> Found<Vec<TcpPath>> {
+) -> SiteResult<Vec<TcpPath>> {
     let types: Vec<OrientationType> =
         segments.iter().map(|segment| segment.orientation.unwrap_or(motion.orientation)).collect();
     let mut knots = vec![Knot { pose: site.pose(from_rad), e1_rad: from_rad[2] }];

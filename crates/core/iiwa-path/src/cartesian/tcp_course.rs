@@ -16,13 +16,13 @@ use crate::tool_way::ToolWay;
 /// Course of the TCP in the robot base, for s from 0 to 1.
 #[derive(Clone, Debug)]
 pub(crate) struct TcpCourse {
-    position: Position,
+    position: TcpPosition,
     orientation: Orientation,
 }
 
 /// Position of the TCP.
 #[derive(Clone, Debug)]
-enum Position {
+enum TcpPosition {
     /// A straight line, linear in s: `from + s by`.
     Line { from: Vec3<f64>, by: Vec3<f64> },
     /// A part of a spline.
@@ -83,13 +83,13 @@ impl TcpCourse {
         let by = sub(&to.position_m, &from.position_m);
         let turn = Linked::even([0.0; 3], turn);
         let orientation = Orientation { from: from.rotation, turn, carried: None };
-        Self { position: Position::Line { from: from.position_m, by }, orientation }
+        Self { position: TcpPosition::Line { from: from.position_m, by }, orientation }
     }
 
     /// Builds a part of a spline, with the rotation vector `turn` from the orientation `from`.
     pub(crate) fn spline(position: ChordCurve, from: Mat3<f64>, turn: Linked<3>) -> Self {
         let orientation = Orientation { from, turn, carried: None };
-        Self { position: Position::Spline(Box::new(position)), orientation }
+        Self { position: TcpPosition::Spline(Box::new(position)), orientation }
     }
 
     /// Builds a circle from `from` through the point `aux` to `to`.
@@ -127,7 +127,7 @@ impl TcpCourse {
         };
         let (at_aux, programmed) = (angle_of(aux), angle_of(&to.position_m));
         let angle = turn.angle_rad.unwrap_or(programmed);
-        let position = Position::Arc { centre, u, v, angle };
+        let position = TcpPosition::Arc { centre, u, v, angle };
 
         // The orientation law up to the place where the orientation of the end is reached.
         let whole = if turn.extrapolates { programmed } else { angle };
@@ -176,11 +176,11 @@ impl TcpCourse {
     /// Pose of the TCP at `s`.
     pub(crate) fn at(&self, s: Taylor) -> MovingPose {
         let position_m = match &self.position {
-            Position::Line { from, by } => {
+            TcpPosition::Line { from, by } => {
                 std::array::from_fn(|i| s * by[i] + Taylor::constant(from[i]))
             }
-            Position::Spline(curve) => curve.at(s),
-            Position::Arc { centre, u, v, angle } => {
+            TcpPosition::Spline(curve) => curve.at(s),
+            TcpPosition::Arc { centre, u, v, angle } => {
                 let (sin, cos) = (s * *angle).sin_cos();
                 std::array::from_fn(|i| Taylor::constant(centre[i]) + cos * u[i] + sin * v[i])
             }
@@ -199,8 +199,8 @@ impl TcpCourse {
     /// Share of the arc length up to `s`.
     pub(crate) fn arc_share(&self, s: Taylor) -> Taylor {
         match &self.position {
-            Position::Line { .. } | Position::Arc { .. } => s,
-            Position::Spline(curve) => curve.arc_share(s),
+            TcpPosition::Line { .. } | TcpPosition::Arc { .. } => s,
+            TcpPosition::Spline(curve) => curve.arc_share(s),
         }
     }
 
@@ -223,9 +223,9 @@ impl TcpCourse {
             Some(_) => return None,
         };
         let way = match &self.position {
-            Position::Line { by, .. } => norm(by),
-            Position::Arc { u, angle, .. } => norm(u) * angle.abs(),
-            Position::Spline(_) => return None,
+            TcpPosition::Line { by, .. } => norm(by),
+            TcpPosition::Arc { u, angle, .. } => norm(u) * angle.abs(),
+            TcpPosition::Spline(_) => return None,
         };
         Some([way, turn])
     }

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt, marker::PhantomData};
 
-use iiwa_json::{Object, excerpt};
+use iiwa_json::{JsonObject, excerpt};
 use serde::{
     Deserialize, Deserializer,
     de::{Error, IntoDeserializer, MapAccess, Visitor, value::StringDeserializer},
@@ -13,8 +13,8 @@ use serde::{
 pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     reader: D,
 ) -> Result<BTreeMap<String, T>, D::Error> {
-    struct Names<T>(PhantomData<T>);
-    impl<'de, T: Deserialize<'de>> Visitor<'de> for Names<T> {
+    struct ByNameVisitor<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for ByNameVisitor<T> {
         type Value = BTreeMap<String, T>;
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             f.write_str("an object, by names")
@@ -22,7 +22,7 @@ pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
         fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
             let mut all = BTreeMap::new();
             while let Some(name) = map.next_key::<String>()? {
-                let Object(value) = map.next_value()?;
+                let JsonObject(value) = map.next_value()?;
                 if all.contains_key(&name) {
                     let message = format!("the name `{}` is there twice", excerpt(&name));
                     return Err(A::Error::custom(message));
@@ -32,7 +32,7 @@ pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
             Ok(all)
         }
     }
-    reader.deserialize_map(Names(PhantomData))
+    reader.deserialize_map(ByNameVisitor(PhantomData))
 }
 
 /// Reads one of a few words. For anything but a string, serde's JSON reader would otherwise report

@@ -1,6 +1,6 @@
 //! Errors of program texts.
 
-use iiwa_json::{Place, Unread, element_at, excerpt, problem};
+use iiwa_json::{JsonPlace, Unread, element_at, excerpt, problem};
 
 use crate::{
     fault::Fault,
@@ -25,7 +25,7 @@ pub enum ProgramError {
         /// Source of the motion, if known.
         made_from: Option<Source>,
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
     },
     /// The program has another format version.
     #[error("this is a program of version {found}; version {VERSION} is understood, at {place}")]
@@ -33,7 +33,7 @@ pub enum ProgramError {
         /// Version found.
         found: u64,
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
     },
     /// The included file cannot be read.
     #[error("cannot include `{}`: {reason}, at {place}", excerpt(.name))]
@@ -43,7 +43,7 @@ pub enum ProgramError {
         /// Reason.
         reason: String,
         /// Place of the file name in the program.
-        place: Place,
+        place: JsonPlace,
     },
     /// The included file has an error.
     #[error("`{}`, included at {place}: {error}", excerpt(.name))]
@@ -55,7 +55,7 @@ pub enum ProgramError {
         /// Error, with its place in that text.
         error: Box<ProgramError>,
         /// Place of the file name in the program.
-        place: Place,
+        place: JsonPlace,
     },
     /// The program is well-formed but cannot be planned.
     #[error("{}, at {place}", .sources.in_message(&.fault.to_string()))]
@@ -65,14 +65,14 @@ pub enum ProgramError {
         /// Known sources of the motions.
         sources: Sources,
         /// Place in the text.
-        place: Place,
+        place: JsonPlace,
     },
 }
 
 impl ProgramError {
     /// Place of the error in the program text.
     #[must_use]
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &JsonPlace {
         match self {
             Self::Json { place, .. }
             | Self::Version { place, .. }
@@ -144,7 +144,7 @@ pub(super) fn json_error(
     motion: Option<MotionIndex>,
     error: &serde_json::Error,
 ) -> ProgramError {
-    let place = Place::of_error(text, part, error);
+    let place = JsonPlace::of_error(text, part, error);
     // A JSON syntax error is found before the text is split into motions.
     let motion =
         motion.or_else(|| element_at(text, "motions", place.span.start).map(MotionIndex::new));

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{Step, Unread, locate, read_version};
+use iiwa_json::{JsonStep, Unread, locate, read_version};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::IgnoredAny};
 use serde_json::value::RawValue;
@@ -75,7 +75,7 @@ impl Workcell {
             })?;
         if wire.include.is_some() {
             let message = "a file that is included includes no other".to_owned();
-            let place = locate(text, &[Step::Key("include")]);
+            let place = locate(text, &[JsonStep::Key("include")]);
             return Err(ProgramError::Json { message, motion: None, made_from: None, place });
         }
         named(text, wire.tools, wire.bases, wire.frames)
@@ -154,7 +154,7 @@ pub(super) fn included(
     name: &str,
     read: impl FnOnce(&str) -> Result<String, String>,
 ) -> Result<Workcell, ProgramError> {
-    let place = || locate(text, &[Step::Key("include")]);
+    let place = || locate(text, &[JsonStep::Key("include")]);
     let file = read(name).map_err(|reason| ProgramError::Include {
         name: name.to_owned(),
         reason,

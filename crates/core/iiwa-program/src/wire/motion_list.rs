@@ -1,6 +1,6 @@
 //! JSON form of motion lists.
 
-use iiwa_json::{Object, Step, locate};
+use iiwa_json::{JsonObject, JsonStep, locate};
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::RawValue;
 
@@ -32,8 +32,9 @@ impl MotionList {
     /// unknown.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
         let fail = |error: serde_json::Error| json_error(text, text, None, &error);
-        let Object(MotionsWire { motions }) = serde_json::from_str(text).map_err(fail)?;
-        let Object(wire) = serde_json::from_str::<Object<WorkcellWire>>(text).map_err(fail)?;
+        let JsonObject(MotionsWire { motions }) = serde_json::from_str(text).map_err(fail)?;
+        let JsonObject(wire) =
+            serde_json::from_str::<JsonObject<WorkcellWire>>(text).map_err(fail)?;
         let workcell = wire.workcell(text)?;
         let in_use =
             [("tool", workcell.tcp(None).map(drop)), ("base", workcell.base(None).map(drop))];
@@ -44,7 +45,7 @@ impl MotionList {
                 message: fault.to_string(),
                 motion: None,
                 made_from: None,
-                place: locate(text, &[Step::Key(key)]),
+                place: locate(text, &[JsonStep::Key(key)]),
             })?;
         }
         Ok(list)

@@ -1,6 +1,6 @@
 //! JSON form of motions.
 
-use iiwa_json::{Object, Step, are_known, locate, object_or_null, tag, unknown};
+use iiwa_json::{JsonObject, JsonStep, are_known, locate, object_or_null, tag, unknown};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::RawValue;
@@ -57,11 +57,11 @@ pub(super) fn checked(
 fn motion(text: &str, index: usize, raw: &str) -> Result<(Motion, Option<Source>), ProgramError> {
     let motion = Some(MotionIndex::new(index));
     let fail = |error: serde_json::Error| json_error(text, raw, motion, &error);
-    let wrong = |message: String, path: &[Step<'_>]| {
-        let path = [&[Step::Key("motions"), Step::Index(index)], path].concat();
+    let wrong = |message: String, path: &[JsonStep<'_>]| {
+        let path = [&[JsonStep::Key("motions"), JsonStep::Index(index)], path].concat();
         ProgramError::Json { message, motion, made_from: None, place: locate(text, &path) }
     };
-    let at_key = |(key, message): (&str, String)| wrong(message, &[Step::Key(key)]);
+    let at_key = |(key, message): (&str, String)| wrong(message, &[JsonStep::Key(key)]);
     let mut wire = match tag(raw).map_err(fail)?.as_deref() {
         Some("ptp") => object(raw).map(MotionWire::Ptp),
         Some("lin") => object(raw).map(MotionWire::Lin),
@@ -72,18 +72,18 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<(Motion, Option<Source>
         Some("wait") => object(raw).map(MotionWire::Wait),
         Some("load") => object(raw).map(MotionWire::Load),
         Some(other) => {
-            return Err(wrong(unknown("type", other, &KNOWN_TYPES), &[Step::Key("type")]));
+            return Err(wrong(unknown("type", other, &KNOWN_TYPES), &[JsonStep::Key("type")]));
         }
         None => return Err(wrong(format!("it has no `type`; {}", are_known(&KNOWN_TYPES)), &[])),
     }
     .map_err(fail)?;
     let source = wire.source_mut().take().map(SourceWire::source).transpose();
-    let source = source.map_err(|message| wrong(message.to_owned(), &[Step::Key("source")]))?;
+    let source = source.map_err(|message| wrong(message.to_owned(), &[JsonStep::Key("source")]))?;
     let motion = match wire {
         MotionWire::Ptp(wire) => wire.motion().map_err(|message| wrong(message, &[])),
         MotionWire::Spline(wire) => {
             wire.motion().map_err(|WrongSegment { index, key, message }| {
-                let path = [Step::Key("segments"), Step::Index(index), Step::Key(key)];
+                let path = [JsonStep::Key("segments"), JsonStep::Index(index), JsonStep::Key(key)];
                 wrong(format!("segment {}: {message}", index + 1), &path)
             })
         }
@@ -99,7 +99,7 @@ fn motion(text: &str, index: usize, raw: &str) -> Result<(Motion, Option<Source>
 
 /// Reads an object.
 fn object<'a, T: Deserialize<'a>>(raw: &'a str) -> Result<T, serde_json::Error> {
-    serde_json::from_str::<Object<T>>(raw).map(|Object(wire)| wire)
+    serde_json::from_str::<JsonObject<T>>(raw).map(|JsonObject(wire)| wire)
 }
 
 /// Names of the motion types.

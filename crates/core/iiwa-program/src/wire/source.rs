@@ -1,6 +1,6 @@
 //! JSON form of motion sources.
 
-use iiwa_json::{Object, object_or_null};
+use iiwa_json::{JsonObject, object_or_null};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +40,6 @@ pub(super) fn source_in(motion: &str) -> Option<Source> {
         #[serde(default, deserialize_with = "object_or_null")]
         source: Option<SourceWire>,
     }
-    let Object(Sourced { source }) = serde_json::from_str(motion).ok()?;
+    let JsonObject(Sourced { source }) = serde_json::from_str(motion).ok()?;
     source?.source().ok()
 }

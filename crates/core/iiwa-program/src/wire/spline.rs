@@ -1,6 +1,6 @@
 //! JSON form of splines.
 
-use iiwa_json::Object;
+use iiwa_json::JsonObject;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::IgnoredAny};
 
@@ -25,7 +25,7 @@ path_wire! {
     SplineWire, SplineTag = "spline" {
         /// Segments from frame to frame.
         #[schemars(with = "Vec<SegmentWire>", length(min = 1, max = 20))]
-        segments: Vec<Object<SegmentWire>>,
+        segments: Vec<JsonObject<SegmentWire>>,
     }
 }
 
@@ -113,7 +113,7 @@ pub(super) struct WrongSegment {
 impl SplineWire {
     pub(super) fn motion(mut self) -> Result<Motion, WrongSegment> {
         let segments = std::mem::take(&mut self.segments).into_iter().enumerate();
-        let segments = segments.map(|(index, Object(segment))| {
+        let segments = segments.map(|(index, JsonObject(segment))| {
             segment.segment().map_err(|(key, message)| WrongSegment { index, key, message })
         });
         let segments = segments.collect::<Result<_, _>>()?;
@@ -121,7 +121,7 @@ impl SplineWire {
     }
 
     pub(super) fn new(motion: &CartesianMotion, segments: &[SplineSegment]) -> Self {
-        let segments = segments.iter().map(|segment| Object(segment.into()));
+        let segments = segments.iter().map(|segment| JsonObject(segment.into()));
         Self::of(motion, segments.collect())
     }
 }

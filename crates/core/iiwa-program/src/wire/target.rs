@@ -1,6 +1,6 @@
 //! JSON form of a single target, such as on a command line.
 
-use iiwa_json::{Object, locate};
+use iiwa_json::{JsonObject, locate};
 
 use super::{
     error::{ProgramError, json_error},
@@ -25,7 +25,7 @@ impl Target {
     ///
     /// If the text is not a target; the error gives the place in the text.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
-        let Object(wire) = serde_json::from_str::<Object<TargetWire>>(text)
+        let JsonObject(wire) = serde_json::from_str::<JsonObject<TargetWire>>(text)
             .map_err(|error| json_error(text, text, None, &error))?;
         let place = || locate(text, &[]);
         wire.target().map_err(|message| ProgramError::Json {

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{Step, excerpt, locate, numbers, object_or_null};
+use iiwa_json::{JsonStep, excerpt, locate, numbers, object_or_null};
 use iiwa_kin::Mount;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -56,7 +56,7 @@ pub(super) fn named(
         message: format!("`{}`: {message}", excerpt(&name)),
         motion: None,
         made_from: None,
-        place: locate(text, &[Step::Key(list), Step::Key(&name)]),
+        place: locate(text, &[JsonStep::Key(list), JsonStep::Key(&name)]),
     })
 }
 

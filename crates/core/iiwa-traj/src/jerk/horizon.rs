@@ -77,7 +77,7 @@ fn receding(
 }
 
 /// Window that is solved in one call.
-struct Part<'a, 'b> {
+struct SolvedWindow<'a, 'b> {
     window: Window<'a, 'b>,
     /// Index of the segment up to which the part's solution is final for the section.
     settled: usize,
@@ -88,7 +88,7 @@ fn part<'a, 'b>(
     segments: &'a [LimitedSegment<'b>],
     start: usize,
     entry: Option<[f64; 2]>,
-) -> Option<Part<'a, 'b>> {
+) -> Option<SolvedWindow<'a, 'b>> {
     // Finds the first segment at least `count` segments and some stopping distances beyond `from`.
     let beyond = |from: usize, count: usize| {
         let before = from.checked_sub(1).map(|before| &segments[before]);
@@ -112,7 +112,10 @@ fn part<'a, 'b>(
         Some(end + stop).filter(|end| end + (settled - start) / 2 < segments.len())
     });
     let (settled, end) = settled.zip(end).unwrap_or((segments.len(), segments.len()));
-    Some(Part { window: Window { segments, range: start..end, entry, exit: None }, settled })
+    Some(SolvedWindow {
+        window: Window { segments, range: start..end, entry, exit: None },
+        settled,
+    })
 }
 
 /// Solves a window; none if the solution had to be slowed down, since its end states are then not

@@ -4,7 +4,7 @@ use iiwa_path::PLACES;
 use iiwa_solver::LimitedSegment;
 
 use crate::{
-    interval::{Progress, progress},
+    interval::{IntervalProgress, progress},
     limit_usage::LimitUsage,
     node::Node,
 };
@@ -17,7 +17,7 @@ const SAMPLES: u32 = 4;
 pub(super) fn usage(segment: &LimitedSegment<'_>, nodes: &[Node]) -> LimitUsage {
     let mut usage = LimitUsage::default();
     let length_rad = segment.length_rad();
-    let samples: Vec<(f64, Progress, f64)> = nodes
+    let samples: Vec<(f64, IntervalProgress, f64)> = nodes
         .windows(2)
         .flat_map(|pair| {
             let dt_s = pair[0].dt_s / f64::from(SAMPLES);

@@ -2,13 +2,13 @@
 
 use iiwa_kin::Robot;
 
-use super::samples::Unit;
+use super::samples::PositionUnit;
 use super::shown::shown;
-use super::{AngleUnit, JointLogError, LogOptions, Positions, Source};
+use super::{AngleUnit, JointLogError, LogOptions, PositionSource, Positions};
 
 /// Role of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Role {
+pub(super) enum ColumnRole {
     /// Time, s.
     Time,
     /// Whole seconds of the time.
@@ -16,7 +16,7 @@ pub(super) enum Role {
     /// Nanoseconds of the time, without its whole seconds.
     Nanoseconds,
     /// Position of the joint with this index, in this unit.
-    Position(usize, Unit),
+    Position(usize, PositionUnit),
     /// Torque exerted by the joint with this index, Nm.
     Exerted(usize),
     /// Torque of the joint with this index, Nm, with the opposite sign, as KUKA's controller
@@ -30,10 +30,10 @@ pub(super) enum Role {
 #[derive(Debug)]
 pub(super) struct Columns {
     /// Role of each column.
-    pub(super) roles: Vec<Role>,
+    pub(super) roles: Vec<ColumnRole>,
     /// Name of each column.
     pub(super) names: Vec<String>,
-    pub(super) source: Source,
+    pub(super) source: PositionSource,
     pub(super) robot: Option<String>,
 }
 
@@ -45,10 +45,14 @@ impl Columns {
         options: LogOptions,
     ) -> Result<Self, JointLogError> {
         let mut columns =
-            Choice { line, names: &names, roles: vec![Role::PassedOver; names.len()] };
+            ColumnChoice { line, names: &names, roles: vec![ColumnRole::PassedOver; names.len()] };
         let sources = match options.positions {
-            Positions::Measured => [Source::Measured, Source::Commanded, Source::Table],
-            Positions::Commanded => [Source::Commanded, Source::Measured, Source::Table],
+            Positions::Measured => {
+                [PositionSource::Measured, PositionSource::Commanded, PositionSource::Table]
+            }
+            Positions::Commanded => {
+                [PositionSource::Commanded, PositionSource::Measured, PositionSource::Table]
+            }
         };
         let joints = sources.into_iter().find_map(|source| {
             let joint = |name: &String| joint(source, &name.to_ascii_lowercase(), options.unit);
@@ -69,19 +73,24 @@ impl Columns {
             return Err(JointLogError::Unknown { found: format!("`{}`", names.join(" ")) });
         };
         let other = match options.positions {
-            Positions::Measured => Source::Commanded,
-            Positions::Commanded => Source::Measured,
+            Positions::Measured => PositionSource::Commanded,
+            Positions::Commanded => PositionSource::Measured,
         };
         if options.positions_required && source == other {
             let positions = options.positions;
             return Err(JointLogError::MissingPositions { line, positions });
         }
         if split {
-            columns.choose("seconds", "`ZeitInSec`", Role::Seconds, seconds)?;
-            columns.choose("nanoseconds", "`ZeitInNanoSec`", Role::Nanoseconds, nanoseconds)?;
+            columns.choose("seconds", "`ZeitInSec`", ColumnRole::Seconds, seconds)?;
+            columns.choose(
+                "nanoseconds",
+                "`ZeitInNanoSec`",
+                ColumnRole::Nanoseconds,
+                nanoseconds,
+            )?;
         } else {
             let expected = "`t_s`, or `ZeitInSec` and `ZeitInNanoSec`";
-            columns.choose("time", expected, Role::Time, time)?;
+            columns.choose("time", expected, ColumnRole::Time, time)?;
         }
         for wanted in 0..7 {
             let mut column_index = None;
@@ -93,8 +102,8 @@ impl Columns {
             }
             if column_index.is_none() {
                 let expected = match source {
-                    Source::Measured => format!("`axisQMsr_...[{wanted}]`"),
-                    Source::Commanded => format!("`axisQCmd_...[{wanted}]`"),
+                    PositionSource::Measured => format!("`axisQMsr_...[{wanted}]`"),
+                    PositionSource::Commanded => format!("`axisQCmd_...[{wanted}]`"),
                     _ => format!("`joint_{0}_rad` or `joint_{0}_deg`", wanted + 1),
                 };
                 return Err(columns.missing(&title(wanted), expected));
@@ -108,14 +117,16 @@ impl Columns {
 
     /// Returns true if there are torques of all joints.
     pub(super) fn has_torques(&self) -> bool {
-        self.roles.iter().any(|role| matches!(role, Role::Exerted(_) | Role::Measured(_)))
+        self.roles
+            .iter()
+            .any(|role| matches!(role, ColumnRole::Exerted(_) | ColumnRole::Measured(_)))
     }
 
     /// Unit of each joint in the file.
-    pub(super) fn units(&self) -> [Unit; 7] {
-        let mut units = [Unit::Radians; 7];
+    pub(super) fn units(&self) -> [PositionUnit; 7] {
+        let mut units = [PositionUnit::Radians; 7];
         for role in &self.roles {
-            if let Role::Position(joint, unit) = *role {
+            if let ColumnRole::Position(joint, unit) = *role {
                 units[joint] = unit;
             }
         }
@@ -124,19 +135,19 @@ impl Columns {
 }
 
 /// Columns while their roles are assigned.
-struct Choice<'a> {
+struct ColumnChoice<'a> {
     line: u64,
     names: &'a [String],
-    roles: Vec<Role>,
+    roles: Vec<ColumnRole>,
 }
 
-impl Choice<'_> {
+impl ColumnChoice<'_> {
     /// Gives `role` to the only column whose name matches.
     fn choose(
         &mut self,
         quantity: &str,
         expected: &str,
-        role: Role,
+        role: ColumnRole,
         fits: impl Fn(&str) -> bool,
     ) -> Result<(), JointLogError> {
         let mut column_index = None;
@@ -154,7 +165,7 @@ impl Choice<'_> {
         quantity: &str,
         column_index: &mut Option<usize>,
         column: usize,
-        role: Role,
+        role: ColumnRole,
     ) -> Result<(), JointLogError> {
         if let Some(first) = column_index.replace(column) {
             return Err(JointLogError::DuplicateColumn {
@@ -173,12 +184,12 @@ impl Choice<'_> {
         let torques: Vec<_> =
             self.names.iter().map(|name| torque(&name.to_ascii_lowercase())).collect();
         let is_one = |role| torques.iter().filter(|torque| **torque == Some(role)).count() == 1;
-        let exerted = (0..7).all(|joint| is_one(Role::Exerted(joint)));
-        let measured = !exerted && (0..7).all(|joint| is_one(Role::Measured(joint)));
+        let exerted = (0..7).all(|joint| is_one(ColumnRole::Exerted(joint)));
+        let measured = !exerted && (0..7).all(|joint| is_one(ColumnRole::Measured(joint)));
         for (role, torque) in self.roles.iter_mut().zip(torques) {
             match torque {
-                Some(Role::Exerted(_)) if exerted => *role = torque.unwrap_or(*role),
-                Some(Role::Measured(_)) if measured => *role = torque.unwrap_or(*role),
+                Some(ColumnRole::Exerted(_)) if exerted => *role = torque.unwrap_or(*role),
+                Some(ColumnRole::Measured(_)) if measured => *role = torque.unwrap_or(*role),
                 _ => {}
             }
         }
@@ -194,47 +205,51 @@ fn title(joint: usize) -> String {
 }
 
 /// Returns the joint whose position a column of this source contains, by its lower-case name.
-fn joint(source: Source, name: &str, unit: Option<AngleUnit>) -> Option<(usize, Role)> {
-    if source != Source::Table {
+fn joint(
+    source: PositionSource,
+    name: &str,
+    unit: Option<AngleUnit>,
+) -> Option<(usize, ColumnRole)> {
+    if source != PositionSource::Table {
         let (joint, _) = axis(source, name)?;
-        return Some((joint, Role::Position(joint, unit_or_unstated(unit))));
+        return Some((joint, ColumnRole::Position(joint, unit_or_unstated(unit))));
     }
     let (stem, unit) = match (name.strip_suffix("_deg"), name.strip_suffix("_rad")) {
-        (Some(stem), _) => (stem, Unit::Degrees),
-        (_, Some(stem)) => (stem, Unit::Radians),
+        (Some(stem), _) => (stem, PositionUnit::Degrees),
+        (_, Some(stem)) => (stem, PositionUnit::Radians),
         _ => (name, unit_or_unstated(unit)),
     };
     let number = ["iiwa_joint_", "joint_", "q", "a"].iter().find_map(|p| stem.strip_prefix(p))?;
     let joint = digit(number)?.checked_sub(1)?;
-    Some((joint, Role::Position(joint, unit))).filter(|_| joint < 7)
+    Some((joint, ColumnRole::Position(joint, unit))).filter(|_| joint < 7)
 }
 
-fn unit_or_unstated(unit: Option<AngleUnit>) -> Unit {
+fn unit_or_unstated(unit: Option<AngleUnit>) -> PositionUnit {
     match unit {
-        Some(AngleUnit::Radians) => Unit::Radians,
-        Some(AngleUnit::Degrees) => Unit::Degrees,
-        None => Unit::Unstated,
+        Some(AngleUnit::Radians) => PositionUnit::Radians,
+        Some(AngleUnit::Degrees) => PositionUnit::Degrees,
+        None => PositionUnit::Unstated,
     }
 }
 
 /// Returns the torque role of a column, by its lower-case name.
-fn torque(name: &str) -> Option<Role> {
+fn torque(name: &str) -> Option<ColumnRole> {
     if let Some(recorded) = name.strip_prefix("axistaumsr") {
         let (_, index) = recorded.strip_suffix(']')?.split_once('[')?;
-        return digit(index).filter(|joint| *joint < 7).map(Role::Measured);
+        return digit(index).filter(|joint| *joint < 7).map(ColumnRole::Measured);
     }
     let stem = name.strip_suffix("_nm").unwrap_or(name);
     let stem = ["torque_", "effort_"].iter().find_map(|prefix| stem.strip_prefix(prefix))?;
     let number =
         ["iiwa_joint_", "joint_"].iter().find_map(|p| stem.strip_prefix(p)).unwrap_or(stem);
     let joint = digit(number)?.checked_sub(1)?;
-    Some(Role::Exerted(joint)).filter(|_| joint < 7)
+    Some(ColumnRole::Exerted(joint)).filter(|_| joint < 7)
 }
 
 /// Returns joint and robot of a `DataRecorder` column, by its lower-case name:
 /// `axisqmsr_lbr_iiwa_7_r800_1[0]` is joint 0 of an `lbr_iiwa_7_r800`.
-fn axis(source: Source, name: &str) -> Option<(usize, Option<String>)> {
-    let prefix = if source == Source::Measured { "axisqmsr" } else { "axisqcmd" };
+fn axis(source: PositionSource, name: &str) -> Option<(usize, Option<String>)> {
+    let prefix = if source == PositionSource::Measured { "axisqmsr" } else { "axisqcmd" };
     let (device, index) = name.strip_prefix(prefix)?.strip_suffix(']')?.split_once('[')?;
     let joint = digit(index).filter(|joint| *joint < 7)?;
     // Skips the rest of the signal name: `axisqcmdt1m_` is longer than `axisqcmd_`.

@@ -4,7 +4,7 @@ use std::io;
 
 use iiwa_kin::Joint;
 
-use super::{Place, Positions};
+use super::{FilePlace, Positions};
 use crate::ReadError;
 
 /// Reason why joint positions could not be read, or do not fit a robot.
@@ -100,7 +100,7 @@ pub enum JointLogError {
     #[error("{place}: joint {joint} is at {found_rad} rad")]
     NotFinite {
         /// The sample.
-        place: Place,
+        place: FilePlace,
         /// The joint.
         joint: Joint,
         /// Position of the joint, rad.
@@ -113,7 +113,7 @@ pub enum JointLogError {
     #[error("{place}: time runs backwards, from {previous_s} s to {t_s} s")]
     Backwards {
         /// Sample that comes later in the file.
-        place: Place,
+        place: FilePlace,
         /// Time of that sample, s.
         t_s: f64,
         /// Time of the sample before, s.
@@ -123,7 +123,7 @@ pub enum JointLogError {
     #[error("{place}: a second sample at {t_s} s, with other positions")]
     SameTime {
         /// The second sample.
-        place: Place,
+        place: FilePlace,
         /// Time of both samples, s.
         t_s: f64,
     },
@@ -135,7 +135,7 @@ pub enum JointLogError {
     )]
     Degrees {
         /// The sample.
-        place: Place,
+        place: FilePlace,
         /// The joint.
         joint: Joint,
         /// Position of the joint, read as rad.
@@ -148,7 +148,7 @@ pub enum JointLogError {
     )]
     OutOfReach {
         /// The sample.
-        place: Place,
+        place: FilePlace,
         /// The joint.
         joint: Joint,
         /// Position of the joint, degrees.

@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 /// Position in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
-pub enum Place {
+pub enum FilePlace {
     /// Line of a table, from 1; the header counts.
     Line(u64),
     /// Sample of a recording, from 1.
     Sample(u64),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(line) => write!(f, "line {line}"),
@@ -39,7 +39,7 @@ pub enum Loss {
     /// Samples with the time and the positions of the sample before. They were omitted.
     Repeated {
         /// First of these samples.
-        first: Place,
+        first: FilePlace,
         /// Time of that sample, s.
         t_s: f64,
         /// Number of these samples.
@@ -49,7 +49,7 @@ pub enum Loss {
     /// rad.
     DegreesAssumed {
         /// The sample.
-        place: Place,
+        place: FilePlace,
         /// The joint's number, from 1.
         joint: usize,
         /// Position of the joint, degrees.

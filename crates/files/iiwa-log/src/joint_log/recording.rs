@@ -4,8 +4,8 @@ use std::io::Read;
 
 use mcap::{MAGIC, McapError};
 
-use super::samples::{Samples, Unit};
-use super::{CycleClock, JointLog, JointLogError, Loss, Place, Source};
+use super::samples::{PositionUnit, SampleCollector};
+use super::{CycleClock, FilePlace, JointLog, JointLogError, Loss, PositionSource};
 use crate::recorded_robot::PROFILE;
 use crate::{Entry, ReadError, Reader, Topic};
 
@@ -16,7 +16,7 @@ pub(super) fn is_mcap(head: &[u8]) -> bool {
 }
 
 pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
-    let mut samples = Samples::new(Source::Mcap, [Unit::Radians; 7]);
+    let mut samples = SampleCollector::new(PositionSource::Mcap, [PositionUnit::Radians; 7]);
     let mut described = None;
     let mut place = 0;
     let mut end = None;
@@ -25,7 +25,7 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
         match entry {
             Ok(Entry::JointState(sample)) => {
                 place += 1;
-                samples.push(Place::Sample(place), sample.t_s, sample.q)?;
+                samples.push(FilePlace::Sample(place), sample.t_s, sample.q)?;
                 if let Some(torques_nm) = sample.torques_nm {
                     samples.add_torques(torques_nm);
                 }
@@ -56,7 +56,7 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
 }
 
 /// Returns the loss for a file that is cut off or damaged, if the part read so far is reliable.
-fn broken_off(samples: &mut Samples, error: ReadError) -> Result<Loss, JointLogError> {
+fn broken_off(samples: &mut SampleCollector, error: ReadError) -> Result<Loss, JointLogError> {
     let reason = match &error {
         // The checksum of the whole file is wrong although each chunk's was right: perhaps a chunk
         // was not recognised as such, at an unknown position.

@@ -2,7 +2,7 @@
 
 use iiwa_kin::Joint;
 
-use super::{JointLog, JointLogError, Loss, Place, Source};
+use super::{FilePlace, JointLog, JointLogError, Loss, PositionSource};
 
 /// Bound on joint positions, rad. The widest joint range of any LBR iiwa is 175 degrees (3.054
 /// rad); the margin is for joints measured slightly outside their range.
@@ -14,7 +14,7 @@ const GAP_STEPS: f64 = 2.5;
 
 /// The unit of a joint's positions in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Unit {
+pub(super) enum PositionUnit {
     #[default]
     Radians,
     Degrees,
@@ -24,17 +24,17 @@ pub(super) enum Unit {
 
 /// Collects samples in the order of the file.
 #[derive(Debug, Default)]
-pub(super) struct Samples {
+pub(super) struct SampleCollector {
     log: JointLog,
     /// Loss by repeated samples.
     repeated: Option<Loss>,
-    units: [Unit; 7],
+    units: [PositionUnit; 7],
     /// Assumption of degrees for positions without a unit, if made.
     assumed: Option<Loss>,
 }
 
-impl Samples {
-    pub(super) fn new(source: Source, units: [Unit; 7]) -> Self {
+impl SampleCollector {
+    pub(super) fn new(source: PositionSource, units: [PositionUnit; 7]) -> Self {
         let log = JointLog { source: Some(source), ..JointLog::default() };
         Self { log, units, ..Self::default() }
     }
@@ -49,13 +49,16 @@ impl Samples {
 
     /// Converts positions without a unit from degrees if one of them is beyond every joint range in
     /// rad, including those of earlier samples.
-    fn assume_degrees(&mut self, place: Place, degrees: &[f64; 7]) {
-        let is_far = |(unit, q): (Unit, f64)| unit == Unit::Unstated && q.abs() > REACH_RAD;
+    fn assume_degrees(&mut self, place: FilePlace, degrees: &[f64; 7]) {
+        let is_far =
+            |(unit, q): (PositionUnit, f64)| unit == PositionUnit::Unstated && q.abs() > REACH_RAD;
         let Some(far) = self.units.into_iter().zip(*degrees).position(is_far) else { return };
         let joint = Joint::ALL[far].number();
         self.assumed = Some(Loss::DegreesAssumed { place, joint, found_deg: degrees[far] });
-        for (j, unit) in self.units.iter_mut().enumerate().filter(|it| *it.1 == Unit::Unstated) {
-            *unit = Unit::Degrees;
+        for (j, unit) in
+            self.units.iter_mut().enumerate().filter(|it| *it.1 == PositionUnit::Unstated)
+        {
+            *unit = PositionUnit::Degrees;
             self.log.q_rad.iter_mut().for_each(|q| q[j] = q[j].to_radians());
         }
     }
@@ -63,14 +66,14 @@ impl Samples {
     /// Adds a sample: a finite time, and positions in the units of the file.
     pub(super) fn push(
         &mut self,
-        place: Place,
+        place: FilePlace,
         t_s: f64,
         positions: [f64; 7],
     ) -> Result<(), JointLogError> {
         self.assume_degrees(place, &positions);
         let mut q_rad = positions;
         for (q, unit) in q_rad.iter_mut().zip(self.units) {
-            if unit == Unit::Degrees {
+            if unit == PositionUnit::Degrees {
                 *q = q.to_radians();
             }
         }
@@ -106,14 +109,14 @@ impl Samples {
         }
     }
 
-    fn out_of_reach(&self, place: Place, q_rad: &[f64; 7]) -> JointLogError {
+    fn out_of_reach(&self, place: FilePlace, q_rad: &[f64; 7]) -> JointLogError {
         let joints = Joint::ALL.into_iter().zip(q_rad).zip(self.units);
         for ((joint, &found_rad), unit) in joints {
             if !found_rad.is_finite() {
                 return JointLogError::NotFinite { place, joint, found_rad };
             }
             if found_rad.abs() > REACH_RAD {
-                return if unit == Unit::Degrees {
+                return if unit == PositionUnit::Degrees {
                     let found_deg = found_rad.to_degrees();
                     JointLogError::OutOfReach { place, joint, found_deg }
                 } else {
@@ -132,8 +135,8 @@ impl Samples {
         if !self.log.torques_nm.is_empty() {
             self.log.torques_nm.resize(self.log.t_s.len(), None);
         }
-        let is_unstated = self.units.contains(&Unit::Unstated);
-        if self.log.source == Some(Source::Table) && is_unstated {
+        let is_unstated = self.units.contains(&PositionUnit::Unstated);
+        if self.log.source == Some(PositionSource::Table) && is_unstated {
             self.log.losses.push(Loss::RadiansAssumed);
         }
         self.log.losses.extend(self.assumed);

@@ -4,10 +4,10 @@ use std::io::{self, Cursor, Read};
 
 use csv::{ByteRecord, ErrorKind, ReaderBuilder};
 
-use super::columns::{Columns, Role};
-use super::samples::Samples;
+use super::columns::{ColumnRole, Columns};
+use super::samples::SampleCollector;
 use super::shown::{MAX_NAME, shown};
-use super::{JointLog, JointLogError, LogOptions, Loss, Place};
+use super::{FilePlace, JointLog, JointLogError, LogOptions, Loss};
 use crate::reader::read as read_once;
 
 /// Bytes of a file that are used to detect its format. A longer header line is rejected.
@@ -24,7 +24,7 @@ pub(super) fn read<R: Read>(
     let layout = Layout { spaces: delimiter == b' ' };
     let columns = Columns::new(header_line, names(header, delimiter, layout)?, options)?;
 
-    let mut samples = Samples::new(columns.source, columns.units());
+    let mut samples = SampleCollector::new(columns.source, columns.units());
     samples.log().robot.clone_from(&columns.robot);
     // Numbers need no quotes. If quotes counted, a stray one would swallow the following lines.
     let mut table = ReaderBuilder::new()
@@ -33,7 +33,7 @@ pub(super) fn read<R: Read>(
         .delimiter(delimiter)
         .quoting(false)
         .buffer_capacity(1 << 18)
-        .from_reader(Ended { stream: Cursor::new(&head[data..]).chain(stream), last: b'\n' });
+        .from_reader(LastByte { stream: Cursor::new(&head[data..]).chain(stream), last: b'\n' });
     let mut origin = None;
     let mut end = None;
     let (mut line, mut next) = (ByteRecord::new(), ByteRecord::new());
@@ -46,8 +46,8 @@ pub(super) fn read<R: Read>(
                 end = Some(Loss::LastLine { line: number });
                 break;
             }
-            let row = Row::parse(&columns, layout, number, &line)?;
-            samples.push(Place::Line(number), row.t_s(&mut origin), row.positions)?;
+            let row = TableRow::parse(&columns, layout, number, &line)?;
+            samples.push(FilePlace::Line(number), row.t_s(&mut origin), row.positions)?;
             if columns.has_torques() {
                 samples.add_torques(row.measured_nm);
             }
@@ -163,7 +163,7 @@ impl Layout {
 
 /// Numbers of a line in the columns that are read.
 #[derive(Debug, Default)]
-struct Row {
+struct TableRow {
     time_s: f64,
     /// Whole seconds and nanoseconds, where the time is in two columns.
     split: Option<[f64; 2]>,
@@ -173,7 +173,7 @@ struct Row {
     measured_nm: [f64; 7],
 }
 
-impl Row {
+impl TableRow {
     fn parse(
         columns: &Columns,
         layout: Layout,
@@ -214,25 +214,25 @@ impl Row {
     }
 
     /// Stores a field. The error is the expected content.
-    fn take(&mut self, role: Role, field: &[u8]) -> Result<(), &'static str> {
-        if role == Role::PassedOver {
+    fn take(&mut self, role: ColumnRole, field: &[u8]) -> Result<(), &'static str> {
+        if role == ColumnRole::PassedOver {
             return Ok(());
         }
         let value = number(field).ok_or("a finite number with a decimal point")?;
         match role {
-            Role::Time => self.time_s = value,
-            Role::Seconds if value.fract() != 0.0 || value.abs() > MAX_SECONDS => {
+            ColumnRole::Time => self.time_s = value,
+            ColumnRole::Seconds if value.fract() != 0.0 || value.abs() > MAX_SECONDS => {
                 return Err("a whole number of seconds");
             }
-            Role::Seconds => self.split.get_or_insert_default()[0] = value,
-            Role::Nanoseconds if value.fract() != 0.0 || !(0.0..1e9).contains(&value) => {
+            ColumnRole::Seconds => self.split.get_or_insert_default()[0] = value,
+            ColumnRole::Nanoseconds if value.fract() != 0.0 || !(0.0..1e9).contains(&value) => {
                 return Err("a whole number of nanoseconds below 1000000000");
             }
-            Role::Nanoseconds => self.split.get_or_insert_default()[1] = value,
-            Role::Position(joint, _) => self.positions[joint] = value,
-            Role::Exerted(joint) => self.measured_nm[joint] = 0.0 - value,
-            Role::Measured(joint) => self.measured_nm[joint] = value,
-            Role::PassedOver => {}
+            ColumnRole::Nanoseconds => self.split.get_or_insert_default()[1] = value,
+            ColumnRole::Position(joint, _) => self.positions[joint] = value,
+            ColumnRole::Exerted(joint) => self.measured_nm[joint] = 0.0 - value,
+            ColumnRole::Measured(joint) => self.measured_nm[joint] = value,
+            ColumnRole::PassedOver => {}
         }
         Ok(())
     }
@@ -261,12 +261,12 @@ fn number(field: &[u8]) -> Option<f64> {
 }
 
 /// Stream that stores the last byte read.
-struct Ended<R> {
+struct LastByte<R> {
     stream: R,
     last: u8,
 }
 
-impl<R: Read> Read for Ended<R> {
+impl<R: Read> Read for LastByte<R> {
     fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
         let read = read_once(&mut self.stream, room)?;
         if let Some(last) = room[..read].last() {

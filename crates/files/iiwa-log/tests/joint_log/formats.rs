@@ -2,7 +2,9 @@
 
 use std::io::{self, Read};
 
-use iiwa_log::{AngleUnit, JointLog, JointLogError, LogOptions, Loss, Place, Positions, Source};
+use iiwa_log::{
+    AngleUnit, FilePlace, JointLog, JointLogError, LogOptions, Loss, PositionSource, Positions,
+};
 use proptest::prelude::*;
 
 use crate::joint_log::{DATA_RECORDER, HEADER, millis, read, recording, swing, table};
@@ -14,7 +16,7 @@ fn mcap() {
     assert_eq!(log.q_rad, log.t_s.iter().map(|t_s| swing(*t_s)).collect::<Vec<_>>());
     assert_eq!(log.robot.as_deref(), Some("my_robot"));
     assert_eq!(log.program.as_deref(), Some("{\"version\": 1}"));
-    assert_eq!(log.source, Some(Source::Mcap));
+    assert_eq!(log.source, Some(PositionSource::Mcap));
     assert_eq!(log.losses, []);
     assert_eq!(log.duration_s(), 1.499);
     assert!((log.period_s().unwrap() - 0.001).abs() < 1e-12);
@@ -33,7 +35,7 @@ fn csv_as_it_is_written() {
     let log = read(&text).unwrap();
     assert_eq!(log.t_s, millis(100));
     assert_eq!(log.q_rad, log.t_s.iter().map(|t_s| swing(*t_s)).collect::<Vec<_>>());
-    assert_eq!((log.robot, log.program, log.source), (None, None, Some(Source::Table)));
+    assert_eq!((log.robot, log.program, log.source), (None, None, Some(PositionSource::Table)));
     assert_eq!(log.losses, []);
 }
 
@@ -118,7 +120,7 @@ fn other_columns_in_any_order() {
 #[test]
 fn data_recorder() {
     let log = JointLog::read(DATA_RECORDER).unwrap();
-    assert_eq!(log.source, Some(Source::Measured));
+    assert_eq!(log.source, Some(PositionSource::Measured));
     assert_eq!(
         log.source.unwrap().to_string(),
         "a DataRecorder log, measured positions (axisQMsr)"
@@ -132,7 +134,7 @@ fn data_recorder() {
 
     let text = std::str::from_utf8(DATA_RECORDER).unwrap();
     let commanded = read(&text.replace("axisQMsr", "axisTorque")).unwrap();
-    assert_eq!(commanded.source, Some(Source::Commanded));
+    assert_eq!(commanded.source, Some(PositionSource::Commanded));
     assert_eq!(commanded.q_rad[0], [0.11, 0.21, -0.31, -1.51, 0.51, 0.61, -0.71]);
     for between in ["\t", ";", ",", "  "] {
         assert_eq!(read(&text.replace(' ', between)).unwrap(), log);
@@ -160,12 +162,12 @@ fn a_data_recorder_in_degrees() {
     let log = read(&text).unwrap();
     assert_eq!(
         (log.robot.as_deref(), log.source),
-        (Some("lbr_iiwa_7_r800"), Some(Source::Measured))
+        (Some("lbr_iiwa_7_r800"), Some(PositionSource::Measured))
     );
     let degrees = [[0.0, 0.001, 0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.001, 0.0, 1.1, 0.0, 0.0, 90.0]];
     assert_eq!(log.q_rad, degrees.map(|q| q.map(f64::to_radians)));
     assert_eq!(log.t_s, [0.0, 0.02]);
-    let assumed = Loss::DegreesAssumed { place: Place::Line(3), joint: 7, found_deg: 90.0 };
+    let assumed = Loss::DegreesAssumed { place: FilePlace::Line(3), joint: 7, found_deg: 90.0 };
     assert_eq!(log.losses, [assumed]);
     let message = "the file states no unit of its positions: read as degrees, as joint A7 is at \
                 90.000 in line 3";
@@ -186,20 +188,20 @@ fn a_data_recorder_in_degrees() {
 
     let options = LogOptions::default().with_positions(Positions::Commanded);
     let commanded = with(&text, options).unwrap();
-    assert_eq!(commanded.source, Some(Source::Commanded));
+    assert_eq!(commanded.source, Some(PositionSource::Commanded));
     assert_eq!(commanded.robot.as_deref(), Some("lbr_iiwa_7_r800"));
     assert_eq!(commanded.q_rad[1][6], 90.02_f64.to_radians());
     // Without commanded positions, the others are read, unless the options exclude them.
     let measured_only = text.replace("axisQCmdT1m", "axisTauMsr");
-    assert_eq!(with(&measured_only, options).unwrap().source, Some(Source::Measured));
+    assert_eq!(with(&measured_only, options).unwrap().source, Some(PositionSource::Measured));
     let only = LogOptions::default().with_only(Positions::Commanded);
-    assert_eq!(with(&text, only).unwrap().source, Some(Source::Commanded));
+    assert_eq!(with(&text, only).unwrap().source, Some(PositionSource::Commanded));
     let error = with(&measured_only, only).unwrap_err().to_string();
     assert!(
         error.starts_with("line 1: no commanded positions (columns `axisQCmd_...[0]`"),
         "{error}"
     );
-    assert_eq!(with(&table(&millis(3)), options).unwrap().source, Some(Source::Table));
+    assert_eq!(with(&table(&millis(3)), options).unwrap().source, Some(PositionSource::Table));
 }
 
 /// The unit in a column name has priority; the stated unit applies to the other columns.

@@ -1,6 +1,6 @@
 //! Reported losses of a file.
 
-use iiwa_log::{JointLog, JointLogError, Loss, Place};
+use iiwa_log::{FilePlace, JointLog, JointLogError, Loss};
 
 use crate::joint_log::{HEADER, millis, read, recording, table};
 
@@ -31,7 +31,7 @@ fn repeated_samples() {
     let text = table(&[0.0, 0.1, 0.1, 0.2, 0.2, 0.2, 0.3]);
     let log = read(&text).unwrap();
     assert_eq!(log.t_s, [0.0, 0.1, 0.2, 0.3]);
-    assert_eq!(log.losses, [Loss::Repeated { first: Place::Line(4), t_s: 0.1, count: 3 }]);
+    assert_eq!(log.losses, [Loss::Repeated { first: FilePlace::Line(4), t_s: 0.1, count: 3 }]);
     assert_eq!(
         log.losses[0].to_string(),
         "3 samples repeat the one before and were left out, the first of them is line 4, at 0.100 s"

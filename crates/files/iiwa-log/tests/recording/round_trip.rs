@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use crate::recording::sample::{JOINT_SAMPLES, TICK, point, sample, state};
 use iiwa_log::{
-    Config, DEFAULT_EPOCH, Entry, Motion, Reader, Recording, Topic, TrajectoryMessage, WriteError,
-    Writer,
+    Config, DEFAULT_EPOCH, Entry, MotionEntry, Reader, Recording, Topic, TrajectoryMessage,
+    WriteError, Writer,
 };
 
 fn writer() -> Writer<Cursor<Vec<u8>>> {
@@ -220,7 +220,7 @@ fn mismatched_samples_are_refused() {
         assert!(matches!(error, WriteError::StampOutOfRange { .. }), "{error}");
     }
     for joint in [0, 8] {
-        let motion = Motion {
+        let motion = MotionEntry {
             index: 1,
             kind: "line".into(),
             limiting_joint: Some(joint),

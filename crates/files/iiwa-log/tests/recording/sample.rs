@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::time::Duration;
 
-use iiwa_log::{Config, Frame, Motion, TrajectoryMessage, TrajectoryPoint, Writer};
+use iiwa_log::{Config, FramePose, MotionEntry, TrajectoryMessage, TrajectoryPoint, Writer};
 
 pub(crate) const TICK: Duration = Duration::from_millis(4);
 pub(crate) const JOINT_SAMPLES: u32 = 101;
@@ -38,12 +38,12 @@ pub(crate) fn sample() -> Vec<u8> {
         };
         if let Some((index, kind, limiting_joint, limiting_kind)) = piece {
             let (kind, limiting_kind) = (kind.into(), limiting_kind.into());
-            writer.motion(t, &Motion { index, kind, limiting_joint, limiting_kind }).unwrap();
+            writer.motion(t, &MotionEntry { index, kind, limiting_joint, limiting_kind }).unwrap();
         }
         let (q, dq) = state(t);
         writer.joint_state(t, &q, &dq, None).unwrap();
         let frames = [("world", "iiwa_link_0"), ("iiwa_link_0", "iiwa_link_1")];
-        let frames = frames.map(|(parent, child)| Frame {
+        let frames = frames.map(|(parent, child)| FramePose {
             parent,
             child,
             translation_m: [0.0, 0.0, 0.34],

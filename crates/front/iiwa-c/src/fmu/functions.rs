@@ -6,11 +6,11 @@ use std::{
 };
 
 use super::{
-    instance::{FmiStatus, FmuInstance, LogMessage, Logger, Mode, Refusal, Snapshot, call},
-    model::{Misuse, Model},
+    instance::{CallRefusal, FmiStatus, FmuInstance, LogMessage, Logger, Mode, Snapshot, call},
+    model::{FmuModel, Misuse},
     variables::Variable,
 };
-use crate::{failure::Failure, pointers};
+use crate::{failure::CallFailure, pointers};
 
 type Instance<'a> = Option<&'a mut FmuInstance>;
 
@@ -48,7 +48,7 @@ unsafe extern "C" fn fmi3InstantiateCoSimulation(
     let arguments = || {
         if event_mode_used || n_required_intermediate_variables > 0 {
             let message = "this FMU has neither an event mode nor intermediate variables";
-            return Err(Failure::argument(message));
+            return Err(CallFailure::argument(message));
         }
         // SAFETY: the standard requires strings that end with a NUL, or NULL; they are read before
         // the call returns.
@@ -129,7 +129,7 @@ extern "C" fn fmi3GetFMUState(
     state: Option<&mut Option<Box<Snapshot>>>,
 ) -> FmiStatus {
     call(instance, |instance| {
-        let state = state.ok_or_else(|| Refusal::error("the place of the state is NULL"))?;
+        let state = state.ok_or_else(|| CallRefusal::error("the place of the state is NULL"))?;
         match state {
             Some(state) => **state = instance.snapshot(),
             None => *state = Some(Box::new(instance.snapshot())),
@@ -141,7 +141,7 @@ extern "C" fn fmi3GetFMUState(
 #[unsafe(no_mangle)]
 extern "C" fn fmi3SetFMUState(instance: Instance<'_>, state: Option<&Snapshot>) -> FmiStatus {
     call(instance, |instance| {
-        instance.restore(*state.ok_or_else(|| Refusal::error("the state is NULL"))?);
+        instance.restore(*state.ok_or_else(|| CallRefusal::error("the state is NULL"))?);
         Ok(())
     })
 }
@@ -166,16 +166,16 @@ unsafe fn variables<'a>(
     references: *const u32,
     count: usize,
     values: usize,
-) -> Result<impl Iterator<Item = Result<Variable, Refusal>> + 'a, Refusal> {
+) -> Result<impl Iterator<Item = Result<Variable, CallRefusal>> + 'a, CallRefusal> {
     if values != count {
         let message = format!("{values} values for {count} variables, which have one each");
-        return Err(Refusal::error(message));
+        return Err(CallRefusal::error(message));
     }
     // SAFETY: the caller gives the same guarantee.
     let references: &'a [u32] = unsafe { pointers::values(references, count, "the references") }?;
     Ok(references.iter().map(|&reference| {
         Variable::of(reference).ok_or_else(|| {
-            Refusal::error(format!("no variable has the value reference {reference}"))
+            CallRefusal::error(format!("no variable has the value reference {reference}"))
         })
     }))
 }
@@ -189,7 +189,7 @@ unsafe fn get<T>(
     instance: Instance<'_>,
     (references, count): (*const u32, usize),
     (values, n_values): (*mut T, usize),
-    value: impl Fn(&Model, Variable) -> Option<T>,
+    value: impl Fn(&FmuModel, Variable) -> Option<T>,
 ) -> FmiStatus {
     call(instance, |instance| {
         // SAFETY: the caller gives the same guarantee.
@@ -200,7 +200,9 @@ unsafe fn get<T>(
             let variable = variable?;
             place.write(value(&instance.model, variable).ok_or_else(|| {
                 let name = variable.declaration().name;
-                Refusal::error(format!("{name} is of another type than the one that is asked for"))
+                CallRefusal::error(format!(
+                    "{name} is of another type than the one that is asked for"
+                ))
             })?);
         }
         Ok(())
@@ -216,11 +218,11 @@ unsafe fn set<T: Copy>(
     instance: Instance<'_>,
     (references, count): (*const u32, usize),
     (values, n_values): (*const T, usize),
-    set: impl Fn(&mut Model, Variable, T) -> Result<(), Misuse>,
+    set: impl Fn(&mut FmuModel, Variable, T) -> Result<(), Misuse>,
 ) -> FmiStatus {
     call(instance, |instance| {
         if instance.mode == Mode::Terminated {
-            return Err(Refusal::error("a variable is set after the end of the simulation"));
+            return Err(CallRefusal::error("a variable is set after the end of the simulation"));
         }
         // SAFETY: the caller gives the same guarantee.
         let variables = unsafe { variables(references, count, n_values) }?;
@@ -242,7 +244,7 @@ unsafe extern "C" fn fmi3GetFloat64(
     n_values: usize,
 ) -> FmiStatus {
     // SAFETY: the standard requires these array lengths.
-    unsafe { get(instance, (references, count), (values, n_values), Model::float64) }
+    unsafe { get(instance, (references, count), (values, n_values), FmuModel::float64) }
 }
 
 #[unsafe(no_mangle)]
@@ -254,7 +256,7 @@ unsafe extern "C" fn fmi3GetInt32(
     n_values: usize,
 ) -> FmiStatus {
     // SAFETY: the standard requires these array lengths.
-    unsafe { get(instance, (references, count), (values, n_values), Model::int32) }
+    unsafe { get(instance, (references, count), (values, n_values), FmuModel::int32) }
 }
 
 #[unsafe(no_mangle)]
@@ -266,7 +268,7 @@ unsafe extern "C" fn fmi3GetBoolean(
     n_values: usize,
 ) -> FmiStatus {
     // SAFETY: the standard requires these array lengths.
-    unsafe { get(instance, (references, count), (values, n_values), Model::boolean) }
+    unsafe { get(instance, (references, count), (values, n_values), FmuModel::boolean) }
 }
 
 #[unsafe(no_mangle)]
@@ -278,7 +280,7 @@ unsafe extern "C" fn fmi3SetFloat64(
     n_values: usize,
 ) -> FmiStatus {
     // SAFETY: the standard requires these array lengths.
-    unsafe { set(instance, (references, count), (values, n_values), Model::set_float64) }
+    unsafe { set(instance, (references, count), (values, n_values), FmuModel::set_float64) }
 }
 
 #[unsafe(no_mangle)]
@@ -290,7 +292,7 @@ unsafe extern "C" fn fmi3SetBoolean(
     values: *const u8,
     n_values: usize,
 ) -> FmiStatus {
-    let boolean = |model: &mut Model, variable, byte| model.set_boolean(variable, byte != 0);
+    let boolean = |model: &mut FmuModel, variable, byte| model.set_boolean(variable, byte != 0);
     // SAFETY: the standard requires these array lengths.
     unsafe { set(instance, (references, count), (values, n_values), boolean) }
 }

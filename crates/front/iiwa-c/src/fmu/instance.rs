@@ -6,10 +6,10 @@ use std::{
 };
 
 use super::{
-    model::{Misuse, Model, Moment},
+    model::{FmuModel, Misuse, Moment},
     resources,
 };
-use crate::{border::caught, failure::Failure};
+use crate::{border::caught, failure::CallFailure};
 
 /// `fmi3Status`.
 #[repr(C)]
@@ -46,18 +46,18 @@ impl Logger {
 
 /// Reason for rejecting a call.
 #[derive(Debug)]
-pub(super) struct Refusal {
+pub(super) struct CallRefusal {
     status: FmiStatus,
     message: String,
 }
 
-impl Refusal {
+impl CallRefusal {
     pub(super) fn error(message: impl Into<String>) -> Self {
         Self { status: FmiStatus::Error, message: message.into() }
     }
 }
 
-impl From<Misuse> for Refusal {
+impl From<Misuse> for CallRefusal {
     fn from(misuse: Misuse) -> Self {
         match misuse {
             Misuse::OutOfRange(message) => Self { status: FmiStatus::Discard, message },
@@ -66,8 +66,8 @@ impl From<Misuse> for Refusal {
     }
 }
 
-impl From<Failure> for Refusal {
-    fn from(failure: Failure) -> Self {
+impl From<CallFailure> for CallRefusal {
+    fn from(failure: CallFailure) -> Self {
         Self::error(failure.message)
     }
 }
@@ -84,7 +84,7 @@ pub(super) enum Mode {
 /// FMU in a simulation. Instances share no state.
 #[derive(Debug)]
 pub(super) struct FmuInstance {
-    pub(super) model: Model,
+    pub(super) model: FmuModel,
     pub(super) mode: Mode,
     logger: Logger,
 }
@@ -101,12 +101,12 @@ impl FmuInstance {
     ///
     /// `arguments` returns the instantiation token, and the folder of the resources.
     pub(super) fn new<'a>(
-        arguments: impl FnOnce() -> Result<(&'a str, &'a str), Failure>,
+        arguments: impl FnOnce() -> Result<(&'a str, &'a str), CallFailure>,
         logger: Logger,
     ) -> Option<Box<Self>> {
         let model = caught(|| {
             let (token, folder) = arguments()?;
-            Ok(Model::new(resources::plan(Path::new(folder), token)?))
+            Ok(FmuModel::new(resources::plan(Path::new(folder), token)?))
         });
         match model {
             Ok(model) => Some(Box::new(Self { model, mode: Mode::Instantiated, logger })),
@@ -118,17 +118,17 @@ impl FmuInstance {
     }
 
     /// Changes from one mode to another.
-    pub(super) fn change(&mut self, from: Mode, to: Mode) -> Result<(), Refusal> {
+    pub(super) fn change(&mut self, from: Mode, to: Mode) -> Result<(), CallRefusal> {
         self.is_in(from)?;
         self.mode = to;
         Ok(())
     }
 
-    pub(super) fn is_in(&self, mode: Mode) -> Result<(), Refusal> {
+    pub(super) fn is_in(&self, mode: Mode) -> Result<(), CallRefusal> {
         if self.mode == mode {
             return Ok(());
         }
-        Err(Refusal::error(format!(
+        Err(CallRefusal::error(format!(
             "the call is for an FMU in the state {mode:?}, and it is in the state {:?}",
             self.mode
         )))
@@ -147,12 +147,12 @@ impl FmuInstance {
 /// Runs a function, logs the reason for its failure, and catches panics.
 pub(super) fn call(
     instance: Option<&mut FmuInstance>,
-    work: impl FnOnce(&mut FmuInstance) -> Result<(), Refusal>,
+    work: impl FnOnce(&mut FmuInstance) -> Result<(), CallRefusal>,
 ) -> FmiStatus {
     let Some(instance) = instance else { return FmiStatus::Error };
     match caught(|| Ok(work(instance))).unwrap_or_else(|failure| Err(failure.into())) {
         Ok(()) => FmiStatus::Ok,
-        Err(Refusal { status, message }) => {
+        Err(CallRefusal { status, message }) => {
             instance.logger.error(status, &message);
             status
         }

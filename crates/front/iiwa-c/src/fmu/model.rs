@@ -1,7 +1,7 @@
 //! Behaviour of the FMU: it runs a program in simulation time.
 
 use super::variables::Variable;
-use crate::{planned::Planned, state::IiwasimState};
+use crate::{planned::PlannedProgram, state::IiwasimState};
 
 /// Invalid request of a simulation. The state is unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,12 +25,12 @@ pub(super) struct Moment {
     was_start: bool,
     /// Input `override`.
     rate: f64,
-    progress: Progress,
+    progress: ProgramProgress,
 }
 
 /// Progress of the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Progress {
+enum ProgramProgress {
     /// The program has not begun.
     Waiting,
     /// The program was at `program_s` at the time `since_s`, and continues at a constant rate: its
@@ -40,7 +40,7 @@ enum Progress {
     Done,
 }
 
-impl Progress {
+impl ProgramProgress {
     /// Program time at a simulation time, while the program runs.
     fn program_s(self, time_s: f64) -> Option<f64> {
         match self {
@@ -54,19 +54,24 @@ impl Progress {
 
 /// Program in a simulation.
 #[derive(Debug)]
-pub(super) struct Model {
-    planned: Planned,
+pub(super) struct FmuModel {
+    planned: PlannedProgram,
     moment: Moment,
     /// State of the arm, with velocities in simulation time, and motion 0 while the program does
     /// not run.
     arm: IiwasimState,
 }
 
-const BEGINNING: Moment =
-    Moment { time_s: 0.0, start: false, was_start: false, rate: 1.0, progress: Progress::Waiting };
+const BEGINNING: Moment = Moment {
+    time_s: 0.0,
+    start: false,
+    was_start: false,
+    rate: 1.0,
+    progress: ProgramProgress::Waiting,
+};
 
-impl Model {
-    pub(super) fn new(planned: Planned) -> Self {
+impl FmuModel {
+    pub(super) fn new(planned: PlannedProgram) -> Self {
         let arm = IiwasimState::of(&planned, &planned.trajectory().at(0.0));
         let mut model = Self { planned, moment: BEGINNING, arm };
         model.restore(BEGINNING);
@@ -82,11 +87,11 @@ impl Model {
         self.moment = moment;
         let end_s = self.planned.trajectory().cycle_time_s();
         let (program_s, rate, runs) = match moment.progress {
-            Progress::Waiting => (0.0, 0.0, false),
-            Progress::Running { rate, .. } => {
+            ProgramProgress::Waiting => (0.0, 0.0, false),
+            ProgramProgress::Running { rate, .. } => {
                 (moment.progress.program_s(moment.time_s).unwrap_or_default(), rate, true)
             }
-            Progress::Done => (end_s, 0.0, false),
+            ProgramProgress::Done => (end_s, 0.0, false),
         };
         let arm = IiwasimState::of(&self.planned, &self.planned.trajectory().at(program_s));
         self.arm = IiwasimState {
@@ -123,19 +128,21 @@ impl Model {
                 format!("a step from {from_s} s; the simulation is at {last_s} s already");
             return Err(Misuse::Illegal(message));
         }
-        let from = |program_s| Progress::Running { since_s: from_s, program_s, rate };
+        let from = |program_s| ProgramProgress::Running { since_s: from_s, program_s, rate };
         let progress = match (progress, progress.program_s(from_s)) {
-            (Progress::Running { rate: current_rate, .. }, Some(program_s))
+            (ProgramProgress::Running { rate: current_rate, .. }, Some(program_s))
                 if current_rate != rate =>
             {
                 from(program_s)
             }
-            (Progress::Waiting | Progress::Done, _) if start && !was_start => from(0.0),
+            (ProgramProgress::Waiting | ProgramProgress::Done, _) if start && !was_start => {
+                from(0.0)
+            }
             _ => progress,
         };
         let end_s = self.planned.trajectory().cycle_time_s() - ROUNDING_S;
         let is_over = progress.program_s(now_s).is_some_and(|program_s| program_s >= end_s);
-        let progress = if is_over { Progress::Done } else { progress };
+        let progress = if is_over { ProgramProgress::Done } else { progress };
         self.restore(Moment { time_s: now_s, was_start: start, progress, ..self.moment });
         Ok(())
     }
@@ -159,7 +166,7 @@ impl Model {
     pub(super) fn boolean(&self, variable: Variable) -> Option<bool> {
         match variable {
             Variable::Start => Some(self.moment.start),
-            Variable::Done => Some(self.moment.progress == Progress::Done),
+            Variable::Done => Some(self.moment.progress == ProgramProgress::Done),
             _ => None,
         }
     }
@@ -198,19 +205,19 @@ fn not_an_input(variable: Variable, kind: &str) -> Misuse {
 mod tests {
     use iiwa_plan::ProgramSource;
 
-    use super::{Misuse, Model};
+    use super::{FmuModel, Misuse};
     use crate::{
         fmu::variables::Variable,
-        planned::{Choices, Planned},
+        planned::{Choices, PlannedProgram},
     };
 
     /// Returns a model, and the same plan.
-    fn model() -> (Model, Planned) {
+    fn model() -> (FmuModel, PlannedProgram) {
         let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
             "motions": [{ "type": "ptp", "joints_deg": [60, 0, 0, -30, 0, 0, 0] }] }"#;
         let source = ProgramSource::from_json(text).unwrap();
-        let plan = || Planned::new(&source, None, Choices::default()).unwrap();
-        (Model::new(plan()), plan())
+        let plan = || PlannedProgram::new(&source, None, Choices::default()).unwrap();
+        (FmuModel::new(plan()), plan())
     }
 
     #[test]

@@ -8,8 +8,8 @@ use super::description::description;
 use iiwa_plan::ProgramSource;
 
 use crate::{
-    failure::{Failure, FailureKind},
-    planned::{Choices, Planned, to_json},
+    failure::{CallFailure, FailureKind},
+    planned::{Choices, PlannedProgram, to_json},
 };
 
 /// Contents of the files in `resources/`.
@@ -24,7 +24,7 @@ const ROBOT: &str = "robot.json";
 const OPTIONS: &str = "options.json";
 
 impl Resources {
-    fn of(planned: &Planned) -> Result<Self, Failure> {
+    fn of(planned: &PlannedProgram) -> Result<Self, CallFailure> {
         Ok(Self {
             program: planned.program.clone(),
             robot: planned.robot().to_profile(),
@@ -32,12 +32,12 @@ impl Resources {
         })
     }
 
-    fn read(folder: &Path) -> Result<Self, Failure> {
+    fn read(folder: &Path) -> Result<Self, CallFailure> {
         let read = |name| {
             let path = folder.join(name);
             fs::read_to_string(&path).map_err(|error| {
                 let message = format!("cannot read {}: {error}", path.display());
-                Failure::new(FailureKind::File, message)
+                CallFailure::new(FailureKind::File, message)
             })
         };
         Ok(Self { program: read(PROGRAM)?, robot: read(ROBOT)?, options: read(OPTIONS)? })
@@ -52,11 +52,11 @@ impl Resources {
 
 /// Returns the text files of an FMU that runs a plan, by their paths.
 pub(crate) fn fmu_files(
-    planned: &Planned,
+    planned: &PlannedProgram,
     name: &str,
-) -> Result<BTreeMap<String, String>, Failure> {
+) -> Result<BTreeMap<String, String>, CallFailure> {
     if name.trim().is_empty() || name.chars().any(char::is_control) {
-        return Err(Failure::argument(
+        return Err(CallFailure::argument(
             "the model's name is empty, or has control characters in it",
         ));
     }
@@ -69,7 +69,7 @@ pub(crate) fn fmu_files(
 }
 
 /// Plans the program in the folder `resources` of an FMU, which must have this token.
-pub(super) fn plan(folder: &Path, token: &str) -> Result<Planned, Failure> {
+pub(super) fn plan(folder: &Path, token: &str) -> Result<PlannedProgram, CallFailure> {
     let resources = Resources::read(folder)?;
     let expected = resources.token();
     if expected != token {
@@ -77,10 +77,11 @@ pub(super) fn plan(folder: &Path, token: &str) -> Result<Planned, Failure> {
             "the instantiation token is {token}; of this binary and these resources it is \
              {expected}: make the FMU anew"
         );
-        return Err(Failure::argument(message));
+        return Err(CallFailure::argument(message));
     }
     let choices: Choices = serde_json::from_str(&resources.options)
-        .map_err(|error| Failure::new(FailureKind::Program, format!("{OPTIONS}: {error}")))?;
-    let robot = Robot::from_profile(&resources.robot).map_err(|error| Failure::profile(&error))?;
-    Planned::new(&ProgramSource::from_json(&resources.program)?, Some(robot), choices)
+        .map_err(|error| CallFailure::new(FailureKind::Program, format!("{OPTIONS}: {error}")))?;
+    let robot =
+        Robot::from_profile(&resources.robot).map_err(|error| CallFailure::profile(&error))?;
+    PlannedProgram::new(&ProgramSource::from_json(&resources.program)?, Some(robot), choices)
 }

@@ -3,7 +3,7 @@
 
 use std::ffi::{c_char, c_void};
 
-use super::instance::{FmiStatus, FmuInstance, Refusal, call};
+use super::instance::{CallRefusal, FmiStatus, FmuInstance, call};
 
 /// Defines functions with their arguments after the instance, grouped by the missing capability.
 macro_rules! unsupported {
@@ -11,7 +11,7 @@ macro_rules! unsupported {
         #[unsafe(no_mangle)]
         extern "C" fn $name(instance: Option<&mut FmuInstance> $(, _: $argument)*) -> FmiStatus {
             call(instance, |_| {
-                Err(Refusal::error(concat!(stringify!($name), ": this FMU has no ", $capability)))
+                Err(CallRefusal::error(concat!(stringify!($name), ": this FMU has no ", $capability)))
             })
         }
     )+)+ };

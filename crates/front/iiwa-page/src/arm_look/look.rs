@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{
     packed::Packed,
     shells,
-    skin::{Paint, Skin},
+    skin::{Skin, SurfaceColour},
     surface,
     thinned::Soup,
 };
@@ -27,7 +27,7 @@ const TRIANGLES: usize = 30_000;
 /// finer than visible.
 #[derive(Clone, Debug, Serialize)]
 struct PackedSurface {
-    paint: Paint,
+    paint: SurfaceColour,
     /// Corner of the bounding box with the smallest coordinates.
     low_m: [f64; 3],
     /// Size of the bounding box.
@@ -73,10 +73,10 @@ impl Look {
 }
 
 /// Groups the triangles by colour.
-fn painted(patches: &[Patch]) -> Vec<(Paint, Soup)> {
-    let mut all: Vec<(Paint, Soup)> = Vec::new();
+fn painted(patches: &[Patch]) -> Vec<(SurfaceColour, Soup)> {
+    let mut all: Vec<(SurfaceColour, Soup)> = Vec::new();
     for patch in patches {
-        let paint = patch.rgb.map_or(shells::SHELL, Paint::of);
+        let paint = patch.rgb.map_or(shells::SHELL, SurfaceColour::of);
         let number = all.iter().position(|(known, _)| *known == paint).unwrap_or_else(|| {
             all.push((paint, Soup::default()));
             all.len() - 1

@@ -10,15 +10,15 @@ use std::array;
 use iiwa_kin::{Pose, Robot};
 
 use super::{
-    skin::{Paint, Skin},
-    surface::{Bend, Surface, dot},
+    skin::{Skin, SurfaceColour},
+    surface::{OutlineCorner, Surface, dot},
 };
 
 /// Default colour.
-pub(super) const SHELL: Paint = Paint([208, 211, 215]);
-const BAND: Paint = Paint([245, 105, 15]);
-const DARK: Paint = Paint([58, 61, 66]);
-const STEEL: Paint = Paint([150, 154, 160]);
+pub(super) const SHELL: SurfaceColour = SurfaceColour([208, 211, 215]);
+const BAND: SurfaceColour = SurfaceColour([245, 105, 15]);
+const DARK: SurfaceColour = SurfaceColour([58, 61, 66]);
+const STEEL: SurfaceColour = SurfaceColour([150, 154, 160]);
 
 /// Half of the gap between two shells that turn relative to each other, in m.
 const GAP: f64 = 0.001;
@@ -191,7 +191,7 @@ impl Elbow {
         // On the outermost point.
         let back = (0..=100).map(|i| -self.outer(f64::from(i) / 100.0)[0]).fold(0.0, f64::max);
         let wide = 0.6 * self.radius;
-        let outline: [Bend; 5] = [
+        let outline: [OutlineCorner; 5] = [
             (0.0, back - 0.03, 0.0),
             (wide, back - 0.03, 0.0),
             (wide, back + 0.001, 0.003),

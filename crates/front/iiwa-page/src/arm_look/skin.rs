@@ -6,9 +6,9 @@ use super::surface::Surface;
 
 /// Colour: red, green and blue as on screens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Paint(pub(crate) [u8; 3]);
+pub(crate) struct SurfaceColour(pub(crate) [u8; 3]);
 
-impl Paint {
+impl SurfaceColour {
     /// Creates a colour from components between 0 and 1.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
     pub(super) fn of(rgb: [f64; 3]) -> Self {
@@ -19,6 +19,6 @@ impl Paint {
 /// Surface of one colour.
 #[derive(Clone, Debug)]
 pub(crate) struct Skin {
-    pub(super) paint: Paint,
+    pub(super) paint: SurfaceColour,
     pub(super) surface: Surface,
 }

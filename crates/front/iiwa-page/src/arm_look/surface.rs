@@ -15,7 +15,7 @@ pub(crate) struct Surface {
 }
 
 /// Corner of an outline: distance from the axis, height, and rounding radius, all in m.
-pub(super) type Bend = (f64, f64, f64);
+pub(super) type OutlineCorner = (f64, f64, f64);
 
 /// Number of sides of a body of revolution.
 const SIDES: usize = 36;
@@ -23,7 +23,7 @@ const SIDES: usize = 36;
 impl Surface {
     /// Returns the body of revolution of an outline about the z axis: from the axis at the bottom
     /// to the axis at the top.
-    pub(super) fn turned(outline: &[Bend]) -> Self {
+    pub(super) fn turned(outline: &[OutlineCorner]) -> Self {
         let profile = rounded(outline);
         let mut surface = Self::default();
         for ([radius, height], [out, up]) in &profile {
@@ -121,10 +121,10 @@ impl Surface {
 
 /// Returns points of an outline whose corners are arcs, and their normals, both as distance from
 /// the axis and height.
-fn rounded(outline: &[Bend]) -> Vec<([f64; 2], [f64; 2])> {
+fn rounded(outline: &[OutlineCorner]) -> Vec<([f64; 2], [f64; 2])> {
     // Fine enough for edges to look round: small radii need fewer steps.
     let step = |radius_m: f64| PI / (3.0 + 300.0 * radius_m).clamp(3.0, 14.0);
-    let way = |from: Bend, to: Bend| {
+    let way = |from: OutlineCorner, to: OutlineCorner| {
         let [r, z] = [to.0 - from.0, to.1 - from.1];
         let length = r.hypot(z);
         ([r / length, z / length], length)

@@ -8,22 +8,26 @@ use iiwa_plan::{PlanRequest, ProgramSource};
 
 use crate::PageError;
 
-use super::source::{Role, Source};
+use super::source::{PageSource, Role};
 
 /// Maximum size of that plan in memory, in bytes: some two hours.
 const MAX_BYTES: u64 = 256 << 20;
 
 /// Plans the program in a recording; `None` for a plan, or a recording without a program.
 pub(crate) fn plan(
-    recording: &Source,
+    recording: &PageSource,
     robot: &Robot,
     interrupted: fn() -> bool,
-) -> Option<Result<Source, PageError>> {
+) -> Option<Result<PageSource, PageError>> {
     let text = recording.log.program.as_deref()?;
     (recording.role() == Role::Recording).then(|| generated(text, robot, interrupted))
 }
 
-fn generated(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Source, PageError> {
+fn generated(
+    text: &str,
+    robot: &Robot,
+    interrupted: fn() -> bool,
+) -> Result<PageSource, PageError> {
     let to_error = |error| PageError::RecordedProgram { source: Box::new(error) };
     let request = PlanRequest { robot: Some(robot.clone()), ..PlanRequest::default() };
     let source = ProgramSource::from_json(text).map_err(to_error)?;
@@ -45,5 +49,5 @@ fn generated(text: &str, robot: &Robot, interrupted: fn() -> bool) -> Result<Sou
         writer.section(&section)?;
     }
     let stream = writer.finish(planning.figures(), Some(text))?;
-    Source::generated("plan of its program", stream.get_ref())
+    PageSource::generated("plan of its program", stream.get_ref())
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::nearest::Nearest;
 
-use super::curve::{Curve, Samples};
+use super::curve::{CurveColumns, TimeSeries};
 
 /// Maximum number of poses of the curve. Poses in between are computed only if they may be nearer
 /// than all others.
@@ -26,7 +26,7 @@ const SAME_M: f64 = 1e-9;
 #[derive(Debug, Serialize)]
 pub(crate) struct Clearances {
     /// Distance, in m.
-    distance: Curve,
+    distance: CurveColumns,
     /// Nearest pairs, each from its time on.
     pairs: Vec<PairFrom>,
     /// Smallest clearance, with its time.
@@ -50,10 +50,10 @@ impl Clearances {
     pub(crate) fn new(
         arm: &ArmInScene,
         of_pose: OfPose,
-        positions: &Samples,
+        positions: &TimeSeries,
         shift_s: f64,
     ) -> Option<Self> {
-        let Samples { t_s, rows } = positions;
+        let TimeSeries { t_s, rows } = positions;
         let step = rows.len().div_ceil(POSES).max(1);
         let clearance_at = |index: usize| of_pose(arm, &rows[index]);
         let mut places = (0..rows.len()).step_by(step).collect::<Vec<_>>();
@@ -62,7 +62,7 @@ impl Clearances {
             places.push(last);
         }
         let clearances = places.par_iter().map(|index| clearance_at(*index)).collect::<Vec<_>>();
-        let mut samples = Samples::<1>::with_capacity(places.len());
+        let mut samples = TimeSeries::<1>::with_capacity(places.len());
         let mut pairs: Vec<PairFrom> = Vec::new();
         let mut before = None;
         for (index, clearance) in std::iter::zip(&places, &clearances) {
@@ -73,9 +73,10 @@ impl Clearances {
                 pairs.push(PairFrom { from_s: t_s[*index] + shift_s, link, other });
             }
         }
-        let (at_s, nearest) = Search::new(arm, of_pose, positions).minimum(&places, &clearances)?;
+        let (at_s, nearest) =
+            IntervalSearch::new(arm, of_pose, positions).minimum(&places, &clearances)?;
         Some(Self {
-            distance: Curve::new(&samples, shift_s),
+            distance: CurveColumns::new(&samples, shift_s),
             pairs,
             nearest: Nearest::new(arm, &nearest, Some(at_s + shift_s)),
         })
@@ -83,10 +84,10 @@ impl Clearances {
 }
 
 /// Search for the smallest clearance, which skips intervals that cannot contain it.
-struct Search<'a> {
+struct IntervalSearch<'a> {
     arm: &'a ArmInScene,
     of_pose: OfPose,
-    positions: &'a Samples,
+    positions: &'a TimeSeries,
     best: Option<(f64, Clearance)>,
     /// Smallest distance of all, in m: that of the best clearance, up to [`SAME_M`].
     least_m: f64,
@@ -94,14 +95,14 @@ struct Search<'a> {
 
 /// Pose with its time and its clearance.
 #[derive(Clone, Copy)]
-struct Known {
+struct KnownPose {
     t_s: f64,
     q: Joints,
     distance_m: f64,
 }
 
-impl<'a> Search<'a> {
-    fn new(arm: &'a ArmInScene, of_pose: OfPose, positions: &'a Samples) -> Self {
+impl<'a> IntervalSearch<'a> {
+    fn new(arm: &'a ArmInScene, of_pose: OfPose, positions: &'a TimeSeries) -> Self {
         Self { arm, of_pose, positions, best: None, least_m: f64::MAX }
     }
 
@@ -125,10 +126,10 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn look(&mut self, t_s: f64, q: Joints) -> Option<Known> {
+    fn look(&mut self, t_s: f64, q: Joints) -> Option<KnownPose> {
         let clearance = (self.of_pose)(self.arm, &q)?;
         self.take(t_s, clearance);
-        Some(Known { t_s, q, distance_m: clearance.distance_m })
+        Some(KnownPose { t_s, q, distance_m: clearance.distance_m })
     }
 
     /// Finds the smallest clearance or the first contact, from the clearances at some samples.
@@ -137,7 +138,7 @@ impl<'a> Search<'a> {
         places: &[usize],
         clearances: &[Option<Clearance>],
     ) -> Option<(f64, Clearance)> {
-        let Samples { t_s, rows } = self.positions;
+        let TimeSeries { t_s, rows } = self.positions;
         for (index, clearance) in std::iter::zip(places, clearances) {
             if let Some(clearance) = clearance {
                 self.take(t_s[*index], *clearance);
@@ -156,7 +157,7 @@ impl<'a> Search<'a> {
             if at_start - max_travel_m >= self.best_m() - TOLERANCE_M {
                 continue;
             }
-            let mut before: Option<Known> = None;
+            let mut before: Option<KnownPose> = None;
             for index in between {
                 let clearance = self.look(t_s[index], rows[index]);
                 if let (Some(from), Some(to)) = (before, clearance) {
@@ -169,7 +170,7 @@ impl<'a> Search<'a> {
     }
 
     /// Searches between two poses, with linear interpolation of the joints.
-    fn between(&mut self, from: Known, to: Known) {
+    fn between(&mut self, from: KnownPose, to: KnownPose) {
         let way = self.arm.travel_bound_m(&from.q, &to.q);
         let lower_m = 0.5 * (from.distance_m + to.distance_m - way);
         let is_over = self.is_over(from.t_s);

@@ -9,12 +9,12 @@ const COLUMNS: usize = 8000;
 
 /// Samples of `N` values over time, by default one per joint. Unknown values are NaN.
 #[derive(Debug, Default)]
-pub(crate) struct Samples<const N: usize = 7> {
+pub(crate) struct TimeSeries<const N: usize = 7> {
     pub(crate) t_s: Vec<f64>,
     pub(crate) rows: Vec<[f64; N]>,
 }
 
-impl<const N: usize> Samples<N> {
+impl<const N: usize> TimeSeries<N> {
     pub(crate) fn with_capacity(count: usize) -> Self {
         Self { t_s: Vec::with_capacity(count), rows: Vec::with_capacity(count) }
     }
@@ -44,7 +44,7 @@ impl<const N: usize> Samples<N> {
 /// Start time of each column, and the lowest and highest value until the next column, so that peaks
 /// are preserved.
 #[derive(Debug, Default, Serialize)]
-pub(crate) struct Curve {
+pub(crate) struct CurveColumns {
     columns: usize,
     /// Number of samples per column: one without reduction.
     samples_a_column: usize,
@@ -57,14 +57,14 @@ pub(crate) struct Curve {
     high: Option<Packed>,
 }
 
-impl Curve {
+impl CurveColumns {
     /// Converts samples to a curve, all times shifted by `shift_s`.
-    pub(crate) fn new<const N: usize>(samples: &Samples<N>, shift_s: f64) -> Self {
+    pub(crate) fn new<const N: usize>(samples: &TimeSeries<N>, shift_s: f64) -> Self {
         Self::with_columns(samples, shift_s, COLUMNS)
     }
 
     fn with_columns<const N: usize>(
-        samples: &Samples<N>,
+        samples: &TimeSeries<N>,
         shift_s: f64,
         max_columns: usize,
     ) -> Self {
@@ -93,14 +93,14 @@ mod tests {
 
     #[test]
     fn peaks_are_kept() {
-        let mut samples = Samples::<7>::default();
+        let mut samples = TimeSeries::<7>::default();
         for i in 0..1000_u32 {
             let mut row = [f64::NAN; 7];
             row[0] = if i == 777 { 5.0 } else { 0.0 };
             row[1] = if i == 333 { -5.0 } else { 0.0 };
             samples.push(f64::from(i), row);
         }
-        let curve = Curve::with_columns(&samples, 0.5, 10);
+        let curve = CurveColumns::with_columns(&samples, 0.5, 10);
         let expected = |low: bool| {
             let value = |column: usize, j: usize| match (low, column, j) {
                 (true, 3, 1) => -5.0,
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn values_are_even_between_samples() {
-        let samples = Samples { t_s: vec![0.0, 1.0, 3.0], rows: vec![[0.0], [1.0], [-1.0]] };
+        let samples = TimeSeries { t_s: vec![0.0, 1.0, 3.0], rows: vec![[0.0], [1.0], [-1.0]] };
         let values = |times: &[f64]| samples.at_times(times).map(|[v]| v).collect::<Vec<_>>();
         assert_eq!(values(&[-1.0, 0.0, 0.25, 1.0, 2.5, 4.0]), [0.0, 0.0, 0.25, 1.0, -0.5, -1.0]);
         assert_eq!(values(&[2.0]), [0.0]);
@@ -132,8 +132,8 @@ mod tests {
 
     #[test]
     fn short_curves_are_whole() {
-        let samples = Samples { t_s: vec![0.0, 1.0], rows: vec![[1.0; 7], [2.0; 7]] };
-        let curve = Curve::new(&samples, 0.0);
+        let samples = TimeSeries { t_s: vec![0.0, 1.0], rows: vec![[1.0; 7], [2.0; 7]] };
+        let curve = CurveColumns::new(&samples, 0.0);
         assert_eq!((curve.columns, curve.samples_a_column), (2, 1));
         assert!(curve.high.is_none());
     }

@@ -3,27 +3,27 @@
 use serde::Serialize;
 
 use super::{
-    curve::{Curve, Samples},
-    measured::Measured,
-    planned::Planned,
+    curve::{CurveColumns, TimeSeries},
+    measured::MeasuredCurves,
+    planned::PlannedCurves,
 };
 
 /// Joint curves of an arm.
 #[derive(Debug, Serialize)]
 pub(crate) struct Curves {
-    position: Curve,
-    velocity: Curve,
-    acceleration: Curve,
-    jerk: Curve,
+    position: CurveColumns,
+    velocity: CurveColumns,
+    acceleration: CurveColumns,
+    jerk: CurveColumns,
     /// Snap; without columns for a recording.
-    snap: Curve,
+    snap: CurveColumns,
     /// Source of velocity, acceleration, jerk and snap, as text.
     method: String,
 }
 
 impl Curves {
-    pub(crate) fn of_plan(planned: Planned, timing: Option<&str>, shift_s: f64) -> Self {
-        let Planned { position, velocity, acceleration, jerk, snap } = planned;
+    pub(crate) fn of_plan(planned: PlannedCurves, timing: Option<&str>, shift_s: f64) -> Self {
+        let PlannedCurves { position, velocity, acceleration, jerk, snap } = planned;
         let method = match timing {
             Some("acceleration") => {
                 "from the nodes of the trajectory; planned without limits of jerk: acceleration \
@@ -39,8 +39,8 @@ impl Curves {
         Self::of(samples, method.to_owned(), shift_s)
     }
 
-    pub(crate) fn of_recording(measured: Measured, shift_s: f64) -> Self {
-        let Measured { position, velocity, acceleration, jerk, half_s } = measured;
+    pub(crate) fn of_recording(measured: MeasuredCurves, shift_s: f64) -> Self {
+        let MeasuredCurves { position, velocity, acceleration, jerk, half_s } = measured;
         let window_ms = 2e3 * half_s;
         let method = if velocity.rows.is_empty() {
             format!("shorter than {window_ms:.0} ms, too short for velocity, acceleration and jerk")
@@ -50,13 +50,13 @@ impl Curves {
                  {window_ms:.0} ms: shorter peaks are lower here than they were"
             )
         };
-        let samples = [position, velocity, acceleration, jerk, Samples::default()];
+        let samples = [position, velocity, acceleration, jerk, TimeSeries::default()];
         Self::of(samples, method, shift_s)
     }
 
-    fn of(samples: [Samples; 5], method: String, shift_s: f64) -> Self {
+    fn of(samples: [TimeSeries; 5], method: String, shift_s: f64) -> Self {
         let [position, velocity, acceleration, jerk, snap] =
-            samples.map(|samples| Curve::new(&samples, shift_s));
+            samples.map(|samples| CurveColumns::new(&samples, shift_s));
         Self { position, velocity, acceleration, jerk, snap, method }
     }
 }

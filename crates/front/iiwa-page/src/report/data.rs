@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::arm_look::Look;
-use iiwa_eval::{Comparison, Plan, TracePoint};
+use iiwa_eval::{Comparison, PlannedTrajectory, TracePoint};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{LogOptions, Loss, PlanPiece};
 use iiwa_program::{Blend, LimitKind, Motion, Program};
@@ -18,22 +18,22 @@ use serde_json::Value;
 
 use crate::{
     PageError,
-    page::{self, ArmSource, Part, Poses},
+    page::{self, ArmSource, PagePart, Poses},
 };
 
 use super::{
     attached,
     clearance::{Clearances, OfPose},
-    curve::{Curve, Samples},
+    curve::{CurveColumns, TimeSeries},
     curves::Curves,
-    measured::{self, Measured},
-    planned::Planned,
-    source::{Role, Source},
-    tool::Workcell,
+    measured::{self, MeasuredCurves},
+    planned::PlannedCurves,
+    source::{PageSource, Role},
+    tool::PageWorkcell,
 };
 
 /// Parts of this page only.
-const PARTS: [Part; 9] = [
+const PARTS: [PagePart; 9] = [
     ("/*data.js*/", include_str!("data.js")),
     ("/*plot.js*/", include_str!("../page/plot.js")),
     ("/*charts.js*/", include_str!("charts.js")),
@@ -48,18 +48,18 @@ const PARTS: [Part; 9] = [
 /// Page that shows a plan, a recording, or both, in one self-contained file.
 #[derive(Debug, Serialize)]
 pub struct Page {
-    robot: Model,
+    robot: RobotModel,
     /// Arm of FILE, then the arm of MEASURED.
-    arms: Vec<Arm>,
+    arms: Vec<ArmMotion>,
     /// Path pieces: lines, TCP paths, blends, settle times and waits, in the order of time.
     pieces: Vec<PlanPiece>,
-    corners: Vec<Corner>,
-    workcell: Workcell,
+    corners: Vec<BlendedTarget>,
+    workcell: PageWorkcell,
     /// Surroundings and payload of the arm.
     #[serde(skip_serializing_if = "Option::is_none")]
     scene: Option<Scene>,
     /// Reduced limits of motions, by motion number from 1.
-    shares: BTreeMap<usize, Shares>,
+    shares: BTreeMap<usize, LimitShares>,
     /// Figures, as in `iiwasim plan --json`.
     figures: Value,
     compared: Option<Compared>,
@@ -72,7 +72,7 @@ pub struct Page {
 
 /// Robot: appearance, kinematics and limits.
 #[derive(Debug, Serialize)]
-struct Model {
+struct RobotModel {
     name: String,
     /// URDF with the joints.
     urdf: String,
@@ -88,7 +88,7 @@ struct Model {
 
 /// Motion of the arm in one file. Times are in s of the page.
 #[derive(Debug, Serialize)]
-struct Arm {
+struct ArmMotion {
     role: Role,
     file: String,
     start_s: f64,
@@ -99,10 +99,10 @@ struct Arm {
     #[serde(flatten)]
     curves: Option<Curves>,
     /// Torques that the joints exert, in Nm; without columns if the file lacks them.
-    torque: Curve,
+    torque: CurveColumns,
     /// Speed in m/s: of the flange, and, with a tool, of the TCP.
     #[serde(skip_serializing_if = "Option::is_none")]
-    speed: Option<Curve>,
+    speed: Option<CurveColumns>,
     /// Clearance, in a scene with obstacles.
     #[serde(skip_serializing_if = "Option::is_none")]
     clearance: Option<Clearances>,
@@ -157,8 +157,8 @@ impl Default for PageOptions {
 struct Sketch<'a> {
     arms: Vec<Outline<'a>>,
     pieces: &'a [PlanPiece],
-    corners: &'a [Corner],
-    workcell: &'a Workcell,
+    corners: &'a [BlendedTarget],
+    workcell: &'a PageWorkcell,
     compared: Option<&'a ComparisonReport>,
     notes: &'a [String],
 }
@@ -169,12 +169,12 @@ struct Outline<'a> {
     start_s: &'a f64,
     end_s: &'a f64,
     poses: &'a Poses,
-    torque: &'a Curve,
+    torque: &'a CurveColumns,
 }
 
 /// Blended target.
 #[derive(Debug, Serialize)]
-struct Corner {
+struct BlendedTarget {
     /// Number of the motion, from 1.
     motion: usize,
     target_m: [f64; 3],
@@ -184,7 +184,7 @@ struct Corner {
 
 /// Limits of a motion relative to the robot's limits.
 #[derive(Debug, Serialize)]
-struct Shares {
+struct LimitShares {
     velocity: Joints,
     acceleration: Joints,
     jerk: Joints,
@@ -196,8 +196,8 @@ struct Compared {
     /// Report, as in `iiwasim compare --json`.
     report: ComparisonReport,
     /// Deviations of recorded samples, over the page's time.
-    tcp_mm: Curve,
-    joints_mrad: Curve,
+    tcp_mm: CurveColumns,
+    joints_mrad: CurveColumns,
 }
 
 impl std::fmt::Debug for Compared {
@@ -219,8 +219,8 @@ impl Page {
         options: &PageOptions,
     ) -> Result<Self, PageError> {
         let extent = options.extent;
-        let first = Source::read(file, options.log)?;
-        let second = measured.map(|path| Source::read(path, options.log)).transpose()?;
+        let first = PageSource::read(file, options.log)?;
+        let second = measured.map(|path| PageSource::read(path, options.log)).transpose()?;
         swapped(&first, second.as_ref())?;
         let (robot, assumed) = first.robot(options.robot.as_ref())?;
         first.check(&robot)?;
@@ -243,7 +243,7 @@ impl Page {
 
         let mut compared = None;
         let program = first.program();
-        let workcell = Workcell::new(program.as_ref());
+        let workcell = PageWorkcell::new(program.as_ref());
         let shift_s = from_start(&first);
         let scene = options.scene.as_ref().filter(|_| extent == Extent::Whole);
         let meshes = options.arm.as_ref().filter(|_| extent == Extent::Whole);
@@ -284,7 +284,7 @@ impl Page {
         }
         let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
         Ok(Self {
-            robot: Model::new(&robot, meshes.as_ref(), extent),
+            robot: RobotModel::new(&robot, meshes.as_ref(), extent),
             arms,
             corners: corners(&first.record.pieces, program.as_ref(), &robot),
             workcell,
@@ -317,7 +317,7 @@ impl Page {
             arms: self
                 .arms
                 .iter()
-                .map(|Arm { start_s, end_s, poses, torque, .. }| Outline {
+                .map(|ArmMotion { start_s, end_s, poses, torque, .. }| Outline {
                     start_s,
                     end_s,
                     poses,
@@ -343,7 +343,7 @@ impl Page {
 }
 
 /// Rejects a recording followed by a plan: the page would swap the two.
-fn swapped(first: &Source, second: Option<&Source>) -> Result<(), PageError> {
+fn swapped(first: &PageSource, second: Option<&PageSource>) -> Result<(), PageError> {
     match second {
         Some(second) if first.role() == Role::Recording && second.role() != Role::Recording => {
             Err(PageError::Swapped { recording: first.name.clone(), plan: second.name.clone() })
@@ -355,11 +355,11 @@ fn swapped(first: &Source, second: Option<&Source>) -> Result<(), PageError> {
 /// Returns a file that is shown alone; for a recording with its program, the plan of the program,
 /// and the recording.
 fn beside_its_plan(
-    alone: Source,
+    alone: PageSource,
     robot: &Robot,
     interrupted: fn() -> bool,
     notes: &mut Vec<String>,
-) -> Result<(Source, Option<Source>), PageError> {
+) -> Result<(PageSource, Option<PageSource>), PageError> {
     match attached::plan(&alone, robot, interrupted) {
         None => Ok((alone, None)),
         Some(Ok(plan)) => {
@@ -381,18 +381,22 @@ fn beside_its_plan(
 }
 
 /// Time shift from a file to the page: its first sample is at 0.
-fn from_start(source: &Source) -> f64 {
+fn from_start(source: &PageSource) -> f64 {
     source.log.t_s.first().map_or(0.0, |first| 0.0 - first)
 }
 
 /// Compares the recording with the plan; returns also the time shift from the recording to the
 /// plan, or the reason for failure.
-fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compared, f64), String> {
+fn comparison(
+    first: &PageSource,
+    second: &PageSource,
+    robot: &Robot,
+) -> Result<(Compared, f64), String> {
     let not = |why: String| format!("not compared, both start at 0: {why}");
     if first.role() != Role::Plan || first.is_broken_off() {
         return Err(not(format!("{} is not a whole plan", first.name)));
     }
-    let plan = Plan::from_record(first.record.clone(), Some(robot.clone()))
+    let plan = PlannedTrajectory::from_record(first.record.clone(), Some(robot.clone()))
         .map_err(|error| not(with_causes(&error)))?;
     let comparison: Comparison = iiwa_eval::compare(&plan, &second.log)
         .map_err(|error| not(format!("{}: {}", second.name, with_causes(&error))))?;
@@ -409,8 +413,12 @@ fn comparison(first: &Source, second: &Source, robot: &Robot) -> Result<(Compare
 
 /// Returns a deviation over the time of the recording, which continues during pauses of the plan's
 /// time; the arm starts at `start_s`.
-fn deviation(comparison: &Comparison, start_s: f64, value: impl Fn(&TracePoint) -> f64) -> Curve {
-    let mut samples = Samples::<1>::with_capacity(comparison.trace.len());
+fn deviation(
+    comparison: &Comparison,
+    start_s: f64,
+    value: impl Fn(&TracePoint) -> f64,
+) -> CurveColumns {
+    let mut samples = TimeSeries::<1>::with_capacity(comparison.trace.len());
     for part in comparison.unbroken_trace() {
         if let (Some(last), Some(first)) = (samples.t_s.last(), part.first()) {
             let middle_s = f64::midpoint(*last, start_s + first.measured_s);
@@ -420,11 +428,11 @@ fn deviation(comparison: &Comparison, start_s: f64, value: impl Fn(&TracePoint) 
             samples.push(start_s + point.measured_s, [value(point)]);
         }
     }
-    Curve::new(&samples, 0.0)
+    CurveColumns::new(&samples, 0.0)
 }
 
 /// Returns the motions with reduced limits, by their numbers.
-fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
+fn shares(motions: &[Motion]) -> BTreeMap<usize, LimitShares> {
     let motion_share = |(index, motion): (usize, &Motion)| {
         let share = |kind| match motion {
             Motion::Ptp(ptp) => Some(*ptp.share(kind)),
@@ -434,13 +442,13 @@ fn shares(motions: &[Motion]) -> BTreeMap<usize, Shares> {
         let [velocity, acceleration, jerk] = LimitKind::ALL.map(share);
         let [velocity, acceleration, jerk] = [velocity?, acceleration?, jerk?];
         let narrower = [velocity, acceleration, jerk].iter().flatten().any(|share| *share < 1.0);
-        narrower.then_some((index + 1, Shares { velocity, acceleration, jerk }))
+        narrower.then_some((index + 1, LimitShares { velocity, acceleration, jerk }))
     };
     motions.iter().enumerate().filter_map(motion_share).collect()
 }
 
 /// Returns the blended targets.
-fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Vec<Corner> {
+fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Vec<BlendedTarget> {
     let Some(program) = program else { return Vec::new() };
     let blended: BTreeSet<usize> = pieces
         .iter()
@@ -469,7 +477,7 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
         // A blend belongs to the motion that it leads into.
         let waits =
             program.motions[index + 1..].iter().take_while(|next| next.is_overlapping_wait());
-        blended.contains(&(index + 2 + waits.count())).then(|| Corner {
+        blended.contains(&(index + 2 + waits.count())).then(|| BlendedTarget {
             motion: index + 1,
             target_m,
             radius_m: radius_mm.map(|radius_mm| 1e-3 * radius_mm),
@@ -484,20 +492,20 @@ struct Making<'a> {
     extent: Extent,
     robot: &'a Robot,
     scene: Option<&'a ArmInScene>,
-    workcell: &'a Workcell,
+    workcell: &'a PageWorkcell,
     /// Pieces of the plan in page time, which determine the active TCP.
     pieces: &'a [PlanPiece],
 }
 
 impl Making<'_> {
     /// Converts the motion of a file, all times shifted by `shift_s`.
-    fn arm(&self, source: &Source, shift_s: f64) -> Arm {
+    fn arm(&self, source: &PageSource, shift_s: f64) -> ArmMotion {
         let log = &source.log;
         let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
         let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
         let role = source.role();
         let (mut clearance, mut self_clearance, mut speed) = (None, None, None);
-        let mut measure = |position: &Samples, velocity: &Samples| {
+        let mut measure = |position: &TimeSeries, velocity: &TimeSeries| {
             let distances = |of_pose: OfPose| {
                 self.scene.and_then(|arm| Clearances::new(arm, of_pose, position, shift_s))
             };
@@ -512,19 +520,20 @@ impl Making<'_> {
             (Extent::Sketch, _) => (Poses::new(&log.t_s, &log.q_rad, shift_s), None),
             (Extent::Whole, Role::Plan) => {
                 let timing = source.record.timing();
-                let planned = Planned::new(&source.record.nodes, timing != Some("acceleration"));
+                let planned =
+                    PlannedCurves::new(&source.record.nodes, timing != Some("acceleration"));
                 measure(&planned.position, &planned.velocity);
                 let poses = Poses::new(&planned.position.t_s, &planned.position.rows, shift_s);
                 (poses, Some(Curves::of_plan(planned, timing, shift_s)))
             }
             (Extent::Whole, _) => {
                 let poses = Poses::new(&log.t_s, &log.q_rad, shift_s);
-                let measured = Measured::new(log);
+                let measured = MeasuredCurves::new(log);
                 measure(&measured.position, &measured.velocity);
                 (poses, Some(Curves::of_recording(measured, shift_s)))
             }
         };
-        Arm {
+        ArmMotion {
             role,
             file: source.file.clone(),
             start_s,
@@ -533,7 +542,7 @@ impl Making<'_> {
             rate_hz: log.period_s().map(f64::recip),
             poses,
             curves,
-            torque: Curve::new(&measured::torques(log), shift_s),
+            torque: CurveColumns::new(&measured::torques(log), shift_s),
             speed,
             clearance,
             self_clearance,
@@ -541,7 +550,7 @@ impl Making<'_> {
     }
 }
 
-impl Model {
+impl RobotModel {
     fn new(robot: &Robot, meshes: Option<&ArmMeshes>, extent: Extent) -> Self {
         let limits = robot.limits();
         let look = match (extent, meshes) {

@@ -5,7 +5,7 @@ use iiwa_kin::Joints;
 use iiwa_log::{JointLog, Loss};
 use rayon::prelude::*;
 
-use super::curve::Samples;
+use super::curve::TimeSeries;
 
 /// Smallest half-width of the window in which a cubic is fitted to compute derivatives, in s: short
 /// compared to the 0.05 s in which the acceleration of an LBR iiwa builds up, long enough to
@@ -20,24 +20,24 @@ const CUBICS: f64 = 900_000.0;
 
 /// Position, velocity, acceleration and jerk of a recording.
 #[derive(Debug)]
-pub(crate) struct Measured {
-    pub(crate) position: Samples,
-    pub(crate) velocity: Samples,
-    pub(crate) acceleration: Samples,
-    pub(crate) jerk: Samples,
+pub(crate) struct MeasuredCurves {
+    pub(crate) position: TimeSeries,
+    pub(crate) velocity: TimeSeries,
+    pub(crate) acceleration: TimeSeries,
+    pub(crate) jerk: TimeSeries,
     /// Half-width of the window of the cubics, in s.
     pub(crate) half_s: f64,
 }
 
-impl Measured {
+impl MeasuredCurves {
     pub(crate) fn new(log: &JointLog) -> Self {
         let gaps = gaps(log);
         let half_s = HALF_S.max(HALF_SAMPLES * log.period_s().unwrap_or(0.0));
         let mut measured = Self {
             position: with_gaps(&log.t_s, log.q_rad.iter().copied(), &gaps),
-            velocity: Samples::default(),
-            acceleration: Samples::default(),
-            jerk: Samples::default(),
+            velocity: TimeSeries::default(),
+            acceleration: TimeSeries::default(),
+            jerk: TimeSeries::default(),
             half_s,
         };
         let (Some(first), Some(last)) = (log.t_s.first(), log.t_s.last()) else { return measured };
@@ -100,14 +100,14 @@ fn gaps(log: &JointLog) -> Vec<(f64, f64)> {
 }
 
 /// Returns the torques that the joints of a plan or a recording exert, in Nm, as far as known.
-pub(crate) fn torques(log: &JointLog) -> Samples {
+pub(crate) fn torques(log: &JointLog) -> TimeSeries {
     let known = |torque_nm: Option<Joints>| torque_nm.unwrap_or([f64::NAN; 7]);
     with_gaps(&log.t_s, log.exerted_nm().map(known), &gaps(log))
 }
 
 /// Returns the samples, with a NaN sample in each gap.
-fn with_gaps(t_s: &[f64], rows: impl Iterator<Item = Joints>, gaps: &[(f64, f64)]) -> Samples {
-    let mut samples = Samples::default();
+fn with_gaps(t_s: &[f64], rows: impl Iterator<Item = Joints>, gaps: &[(f64, f64)]) -> TimeSeries {
+    let mut samples = TimeSeries::default();
     let mut gaps = gaps.iter().peekable();
     for (t_s, row) in t_s.iter().zip(rows) {
         samples.push(*t_s, row);

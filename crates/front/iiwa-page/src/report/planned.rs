@@ -3,7 +3,7 @@
 use iiwa_kin::Joints;
 use iiwa_log::PlanNode;
 
-use super::curve::Samples;
+use super::curve::TimeSeries;
 
 /// Longest step between two samples, in s, unless this gives too many samples.
 const STEP_S: f64 = 0.004;
@@ -18,17 +18,17 @@ const MIN_S: f64 = 0.002;
 
 /// Position, velocity, acceleration, jerk and snap of a plan.
 #[derive(Debug, Default)]
-pub(crate) struct Planned {
-    pub(crate) position: Samples,
-    pub(crate) velocity: Samples,
-    pub(crate) acceleration: Samples,
+pub(crate) struct PlannedCurves {
+    pub(crate) position: TimeSeries,
+    pub(crate) velocity: TimeSeries,
+    pub(crate) acceleration: TimeSeries,
     /// Jerk; like the snap, without samples if the acceleration jumps.
-    pub(crate) jerk: Samples,
+    pub(crate) jerk: TimeSeries,
     /// Snap, piecewise constant.
-    pub(crate) snap: Samples,
+    pub(crate) snap: TimeSeries,
 }
 
-impl Planned {
+impl PlannedCurves {
     /// Samples a plan at its nodes, and between distant nodes.
     ///
     /// With jerk limits (`smooth`), velocity is a cubic between nodes, so jerk is linear and snap
@@ -43,7 +43,7 @@ impl Planned {
         let spans = nodes.windows(2).map(|pair| pair[1].t_s - pair[0].t_s);
         // Growing lists of this length would temporarily need twice the memory.
         let count = spans.map(|span_s| steps(span_s) as usize).sum::<usize>() + 1;
-        let samples = |count| Samples::with_capacity(count);
+        let samples = |count| TimeSeries::with_capacity(count);
         let both_ends = 2 * nodes.len();
         let mut planned = Self {
             position: samples(count),
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn long_plans_have_no_more_samples() {
         let node = |t_s: f64| PlanNode { t_s, q: [t_s * 1e-7; 7], dq: [1e-7; 7], ddq: [0.0; 7] };
-        let planned = Planned::new(&[node(0.0), node(0.1), node(1e7)], true);
+        let planned = PlannedCurves::new(&[node(0.0), node(0.1), node(1e7)], true);
         let count = planned.position.t_s.len();
         assert!((100_000..=450_100).contains(&count), "{count}");
         assert_eq!(planned.position.t_s.last(), Some(&1e7));
@@ -147,7 +147,7 @@ mod tests {
             dq: [3.0 * t * t + 1.0; 7],
             ddq: [6.0 * t; 7],
         };
-        let planned = Planned::new(&[node(0.0), node(0.5), node(0.501)], true);
+        let planned = PlannedCurves::new(&[node(0.0), node(0.5), node(0.501)], true);
         assert_eq!(planned.position.t_s.len(), 127);
         for (i, t) in planned.position.t_s.iter().enumerate() {
             let expected = node(*t);
@@ -157,7 +157,7 @@ mod tests {
         }
         assert!(planned.jerk.rows.iter().all(|row| (row[0] - 6.0).abs() < 1e-9));
         assert!(planned.snap.rows.iter().all(|row| row[0].abs() < 1e-9));
-        let jumps = Planned::new(&[node(0.0), node(0.5)], false);
+        let jumps = PlannedCurves::new(&[node(0.0), node(0.5)], false);
         assert!(jumps.jerk.rows.is_empty() && jumps.snap.rows.is_empty());
         assert_eq!(jumps.acceleration.rows[10], [0.0; 7]);
     }
@@ -173,7 +173,7 @@ mod tests {
         };
         // The last span is too short to resolve the change of the jerk: only its mean is
         // determined.
-        let planned = Planned::new(&[node(0.0), node(0.06), node(0.061)], true);
+        let planned = PlannedCurves::new(&[node(0.0), node(0.06), node(0.061)], true);
         for (t_s, row) in std::iter::zip(&planned.acceleration.t_s, &planned.acceleration.rows) {
             assert!((row[6] - 0.5 * t_s * t_s).abs() < 1e-12, "{t_s} s: {}", row[6]);
         }

@@ -7,7 +7,7 @@ use std::{
 };
 
 use iiwa_kin::Robot;
-use iiwa_log::{JointLog, LogOptions, Loss, PlanRecord, Source as Format};
+use iiwa_log::{JointLog, LogOptions, Loss, PlanRecord, PositionSource as Format};
 use iiwa_program::Program;
 use serde::Serialize;
 
@@ -15,7 +15,7 @@ use crate::PageError;
 
 /// File that was read.
 #[derive(Debug)]
-pub(crate) struct Source {
+pub(crate) struct PageSource {
     /// Name as given.
     pub(crate) name: String,
     /// Name without its folder: pages are shared.
@@ -38,7 +38,7 @@ pub(crate) enum Role {
     Recording,
 }
 
-impl Source {
+impl PageSource {
     /// Reads a file up to the first damage.
     pub(crate) fn read(path: &Path, options: LogOptions) -> Result<Self, PageError> {
         let name = path.display().to_string();

@@ -5,14 +5,14 @@ use iiwa_log::PlanPiece;
 use iiwa_program::Program;
 use serde::Serialize;
 
-use super::curve::{Curve, Samples};
+use super::curve::{CurveColumns, TimeSeries};
 
 /// Maximum number of frames shown: more would hide each other.
 const FRAMES: usize = 500;
 
 /// Tools and frames of a program.
 #[derive(Debug, Default, Serialize)]
-pub(crate) struct Workcell {
+pub(crate) struct PageWorkcell {
     /// TCPs in the flange frame, each from a motion on, up to the next.
     tcps: Vec<Tcp>,
     frames: Vec<ShownFrame>,
@@ -38,7 +38,7 @@ struct ShownFrame {
     rotation: [[f64; 3]; 3],
 }
 
-impl Workcell {
+impl PageWorkcell {
     /// Collects tools and frames of a program; empty if the program has neither, or refers to
     /// missing ones.
     pub(crate) fn new(program: Option<&Program>) -> Self {
@@ -76,16 +76,16 @@ impl Workcell {
         pieces: &[PlanPiece],
         states: impl ExactSizeIterator<Item = (f64, Joints, &'a Joints)>,
         shift_s: f64,
-    ) -> Curve {
+    ) -> CurveColumns {
         let flange = |q: &Joints, dq: &Joints| robot.tcp_speed_m_s(&Pose::IDENTITY, q, dq);
         if self.tcps.is_empty() {
-            let mut samples = Samples::<1>::with_capacity(states.len());
+            let mut samples = TimeSeries::<1>::with_capacity(states.len());
             for (t_s, q, dq) in states {
                 samples.push(t_s, [flange(&q, dq)]);
             }
-            return Curve::new(&samples, shift_s);
+            return CurveColumns::new(&samples, shift_s);
         }
-        let mut samples = Samples::<2>::with_capacity(states.len());
+        let mut samples = TimeSeries::<2>::with_capacity(states.len());
         let mut piece = 0;
         for (t_s, q, dq) in states {
             while pieces.get(piece + 1).is_some_and(|next| next.start_s <= t_s + shift_s) {
@@ -95,6 +95,6 @@ impl Workcell {
             let tcp = self.poses.get(motion.saturating_sub(1)).unwrap_or(&Pose::IDENTITY);
             samples.push(t_s, [flange(&q, dq), robot.tcp_speed_m_s(tcp, &q, dq)]);
         }
-        Curve::new(&samples, shift_s)
+        CurveColumns::new(&samples, shift_s)
     }
 }

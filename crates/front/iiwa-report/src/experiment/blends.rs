@@ -9,7 +9,7 @@ use crate::{
     ReportError,
     picture::{
         INK, MEASURED, PLANNED,
-        plot::{Plot, Point, draw},
+        plot::{Plot, PlotPoint, draw},
     },
 };
 
@@ -114,7 +114,7 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, identified: &Identified) -> Resul
         chapter.paragraph("Too few blends were found for kappa(gamma).");
         return Ok(());
     };
-    let observed: Vec<Point> = identified
+    let observed: Vec<PlotPoint> = identified
         .blends
         .iter()
         .map(|BlendObservation { gamma_deg, kappa, .. }| (*gamma_deg, kappa.0))
@@ -146,17 +146,17 @@ fn kappa(bench: &Bench, chapter: &mut Chapter, identified: &Identified) -> Resul
 /// Corner with its measured positions.
 struct MeasuredCorner {
     index: usize,
-    target_deg: Point,
+    target_deg: PlotPoint,
     before_rad: Joints,
     target_rad: Joints,
     after_rad: Joints,
     /// Distance from the target to the start and the end of the blend, in degrees.
     reach_deg: f64,
-    measured: Vec<Point>,
+    measured: Vec<PlotPoint>,
 }
 
 /// Returns joints 2 and 4 in degrees.
-fn in_plane(q: &Joints) -> Point {
+fn in_plane(q: &Joints) -> PlotPoint {
     (q[1].to_degrees(), q[3].to_degrees())
 }
 
@@ -206,7 +206,7 @@ fn corners(
 
 impl MeasuredCorner {
     /// Returns the calculated path from the start over the corner to the target.
-    fn calculated(&self, path: &JointPath) -> Vec<Point> {
+    fn calculated(&self, path: &JointPath) -> Vec<PlotPoint> {
         let first = MOTIONS * self.index;
         let mut points = Vec::new();
         for step in path.steps() {
@@ -221,20 +221,20 @@ impl MeasuredCorner {
         points
     }
 
-    fn about(&self, point: &Point) -> bool {
+    fn about(&self, point: &PlotPoint) -> bool {
         (point.0 - self.target_deg.0).hypot(point.1 - self.target_deg.1) <= self.reach_deg
     }
 
     /// Returns mean and largest distance between the measured and a calculated path, in degrees,
     /// near the corner and in both directions.
-    fn deviation(&self, calculated: &[Point]) -> Option<(f64, f64)> {
+    fn deviation(&self, calculated: &[PlotPoint]) -> Option<(f64, f64)> {
         let (forward, back) =
             (self.one_way(&self.measured, calculated)?, self.one_way(calculated, &self.measured)?);
         Some((0.5 * (forward.0 + back.0), forward.1.max(back.1)))
     }
 
-    fn one_way(&self, from: &[Point], to: &[Point]) -> Option<(f64, f64)> {
-        let near: Vec<&[Point]> =
+    fn one_way(&self, from: &[PlotPoint], to: &[PlotPoint]) -> Option<(f64, f64)> {
+        let near: Vec<&[PlotPoint]> =
             to.windows(2).filter(|pair| pair.iter().any(|p| self.about(p))).collect();
         let (mut sum, mut way, mut max) = (0.0, 0.0, 0.0_f64);
         for pair in from.windows(2).filter(|pair| self.about(&pair[0])) {
@@ -250,7 +250,7 @@ impl MeasuredCorner {
 }
 
 /// Distance between a point and a line segment.
-fn distance(p: Point, a: Point, b: Point) -> f64 {
+fn distance(p: PlotPoint, a: PlotPoint, b: PlotPoint) -> f64 {
     let along = (b.0 - a.0, b.1 - a.1);
     let square = along.0 * along.0 + along.1 * along.1;
     let to = (p.0 - a.0, p.1 - a.1);
@@ -260,7 +260,10 @@ fn distance(p: Point, a: Point, b: Point) -> f64 {
 }
 
 /// Draws all corners, as a whole and enlarged.
-fn overview(corners: &[MeasuredCorner], calculated: &[Vec<Point>]) -> Result<String, ReportError> {
+fn overview(
+    corners: &[MeasuredCorner],
+    calculated: &[Vec<PlotPoint>],
+) -> Result<String, ReportError> {
     let measured: Vec<_> = corners.iter().map(|corner| corner.measured.clone()).collect();
     let Some(corner) = corners.first() else { return Ok(String::new()) };
     let plot = |caption: &str, [red, blue]: [&str; 2]| {

@@ -1,7 +1,7 @@
 //! Cycle time errors (Larsen 2019, section 5.1.2, Eq. 40, Fig. 23 to 25).
 
 use iiwa_eval::{
-    Plan, compare,
+    PlannedTrajectory, compare,
     experiment::{CycleTimeCase, Sweep, Trial},
 };
 use iiwa_traj::{SweepOptions, Timing};
@@ -11,7 +11,7 @@ use crate::{
     ReportError,
     picture::{
         COLOURS,
-        plot::{Plot, Point, draw},
+        plot::{Plot, PlotPoint, draw},
     },
 };
 
@@ -179,7 +179,7 @@ fn evaluate(bench: &Bench, runs: &[TrialRun]) -> Result<Vec<Case>, ReportError> 
         let acceleration =
             planned(&bench.model, trial, Timing::Acceleration(SweepOptions::default()))?
                 .cycle_time_s();
-        let compared = compare(&Plan::from_trajectory(&jerk), log)
+        let compared = compare(&PlannedTrajectory::from_trajectory(&jerk), log)
             .map_err(|source| ReportError::Compare { name: trial.name.clone(), source })?;
         let real_s = compared.cycle_time.real_s;
         Ok((real_s, [acceleration - real_s, jerk.cycle_time_s() - real_s]))
@@ -223,9 +223,9 @@ fn figure(over: Over, axis: &str, cases: &[&Case]) -> Result<String, ReportError
         {
             let paths = (0..5).map(|path| {
                 let its = cases.iter().filter(|case| case.path == path);
-                its.map(|case| (case.value, quantity(case, timing))).collect::<Vec<Point>>()
+                its.map(|case| (case.value, quantity(case, timing))).collect::<Vec<PlotPoint>>()
             });
-            let means: Vec<Point> = grouped
+            let means: Vec<PlotPoint> = grouped
                 .iter()
                 .map(|(value, cases)| (*value, mean(cases, |case| quantity(case, timing))))
                 .collect();

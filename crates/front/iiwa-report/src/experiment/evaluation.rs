@@ -2,7 +2,7 @@
 
 use iiwa_eval::{
     experiment::Trial,
-    identify::{Identified, LeftOut, Recording, identify},
+    identify::{Identified, LeftOut, RecordedRun, identify},
 };
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, PathOptions};
@@ -16,7 +16,7 @@ use super::bench::{Bench, TrialRun};
 /// Identifies the robot from the recordings.
 pub(super) fn identified(bench: &Bench, runs: &[TrialRun]) -> Result<Identified, ReportError> {
     let recordings: Vec<_> =
-        runs.iter().map(|run| Recording { program: &run.trial.program, log: &run.log }).collect();
+        runs.iter().map(|run| RecordedRun { program: &run.trial.program, log: &run.log }).collect();
     identify(&recordings, &bench.model).map_err(|source| ReportError::Identify { source })
 }
 

@@ -5,29 +5,29 @@ use plotters::prelude::SeriesLabelPosition;
 
 use crate::picture::{
     COLOURS, MEASURED, PLANNED,
-    plot::{Plot, Point},
+    plot::{Plot, PlotPoint},
 };
 
 /// Plots kappa of each blend, the fitted polynomial and the model's polynomial; and the difference
 /// from the model. The two texts are labels of the model and the difference.
 pub(super) fn kappa_plots(
     kappa: &Kappa,
-    observed: Vec<Point>,
+    observed: Vec<PlotPoint>,
     model: impl Fn(f64) -> f64,
     [words_of_model, words_of_difference]: [&str; 2],
 ) -> [Plot; 2] {
     let angles = || (0..=90).map(|i| 2.0 * f64::from(i));
     let limits_at = |edge: f64| {
         let point = |gamma| (gamma, kappa.at(gamma).value + edge * kappa.at(gamma).uncertainty);
-        angles().map(point).collect::<Vec<Point>>()
+        angles().map(point).collect::<Vec<PlotPoint>>()
     };
-    let of_model: Vec<Point> = angles().map(|gamma| (gamma, model(gamma))).collect();
-    let off: Vec<Point> =
+    let of_model: Vec<PlotPoint> = angles().map(|gamma| (gamma, model(gamma))).collect();
+    let off: Vec<PlotPoint> =
         observed.iter().map(|(gamma, value)| (*gamma, value - model(*gamma))).collect();
     let zero = |edge: f64| {
         limits_at(edge).into_iter().map(|(gamma, k)| (gamma, k - model(gamma))).collect()
     };
-    let (low, high): (Vec<Point>, Vec<Point>) = (zero(-1.0), zero(1.0));
+    let (low, high): (Vec<PlotPoint>, Vec<PlotPoint>) = (zero(-1.0), zero(1.0));
     [
         Plot::new("kappa over gamma", "gamma deg", "kappa")
             .line(of_model, PLANNED, 4.0, words_of_model)

@@ -14,7 +14,7 @@ use crate::{
     ReportError,
     picture::{
         MEASURED, PLANNED,
-        plot::{Plot, Point, draw},
+        plot::{Plot, PlotPoint, draw},
     },
 };
 
@@ -174,8 +174,8 @@ fn figure(bench: &Bench, run: &TrialRun, line: &LineObservation) -> Result<Strin
     let t_s = &run.log.t_s;
     let q: Vec<f64> = run.log.q_rad.iter().map(|q| q[joint].to_degrees() - middle_deg).collect();
     let half_s = HALF_WINDOW_S.max(4.0 * run.log.period_s().unwrap_or_default());
-    let mut measured: [Vec<Point>; 4] = Default::default();
-    let mut calculated: [Vec<Point>; 4] = Default::default();
+    let mut measured: [Vec<PlotPoint>; 4] = Default::default();
+    let mut calculated: [Vec<PlotPoint>; 4] = Default::default();
     for at_s in times {
         if let Some(derivatives) = local_cubic(t_s, &q, start_s + at_s, half_s) {
             for (points, value) in measured.iter_mut().zip(derivatives) {

@@ -1,9 +1,9 @@
 //! Identification of a robot that differs from the model, and prediction with the result.
 
 use iiwa_eval::{
-    Plan, compare,
+    PlannedTrajectory, compare,
     experiment::{CycleTimeCase, Trial},
-    identify::{Recording, identify},
+    identify::{RecordedRun, identify},
 };
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
@@ -55,7 +55,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportErr
         }
     }
     let recordings: Vec<_> =
-        runs.iter().map(|(trial, log)| Recording { program: &trial.program, log }).collect();
+        runs.iter().map(|(trial, log)| RecordedRun { program: &trial.program, log }).collect();
     let identified =
         identify(&recordings, &bench.model).map_err(|source| ReportError::Identify { source })?;
     let identified = identified.robot(&bench.model);
@@ -73,7 +73,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportErr
         .map(|(name, trial)| {
             let log = arm.run(&trial)?;
             let by_identified = planned(&identified, &trial, Timing::jerk_limited())?;
-            let compared = compare(&Plan::from_trajectory(&by_identified), &log)
+            let compared = compare(&PlannedTrajectory::from_trajectory(&by_identified), &log)
                 .map_err(|source| ReportError::Compare { name: trial.name.clone(), source })?;
             // From departure to arrival: a recording does not show the settle time at its end.
             let real_s = compared.arrival_s - compared.departure_s;

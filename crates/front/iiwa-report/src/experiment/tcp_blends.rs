@@ -9,7 +9,7 @@ use crate::{
     ReportError,
     picture::{
         MEASURED, PLANNED,
-        plot::{Plot, Point, draw},
+        plot::{Plot, PlotPoint, draw},
     },
 };
 
@@ -77,7 +77,7 @@ fn corners(
 }
 
 /// Returns the TCP seen from above, in mm: y to the right, x upwards.
-fn from_above(path: &JointPath, blend: &TcpBlendObservation, joints: &Joints) -> Point {
+fn from_above(path: &JointPath, blend: &TcpBlendObservation, joints: &Joints) -> PlotPoint {
     let tcp = path.robot().flange_pose(joints).then(path.tcp(blend.motion));
     (1e3 * tcp.position_m[1], 1e3 * tcp.position_m[0])
 }
@@ -87,14 +87,14 @@ fn measured(
     run: &TrialRun,
     path: &JointPath,
     blend: &TcpBlendObservation,
-) -> Vec<Point> {
+) -> Vec<PlotPoint> {
     debug_assert_eq!(path.robot().lengths(), bench.model.lengths());
     let sample_at = |t_s: f64| run.log.t_s.partition_point(|t| *t < t_s);
     let [from, to] = blend.time_s.map(sample_at);
     run.log.q_rad[from..to].iter().map(|q| from_above(path, blend, q)).collect()
 }
 
-fn calculated(path: &JointPath, blend: &TcpBlendObservation) -> Vec<Point> {
+fn calculated(path: &JointPath, blend: &TcpBlendObservation) -> Vec<PlotPoint> {
     let of_motion = path.blends().find(|(corner, _)| corner.motion == blend.motion);
     let Some((_, segment)) = of_motion else { return Vec::new() };
     (0..=100).map(|i| from_above(path, blend, &segment.at(f64::from(i) / 100.0).q)).collect()

@@ -13,7 +13,7 @@ use crate::{
     ReportError,
     picture::{
         INK,
-        plot::{Plot, Point, draw},
+        plot::{Plot, PlotPoint, draw},
         shade,
     },
 };
@@ -151,14 +151,14 @@ fn figure(
         let [x, _, z] = bench.model.flange_position(q);
         (1e3 * x, 1e3 * z)
     };
-    let trace: Vec<Point> = log.q_rad.iter().map(in_plane).collect();
-    let circles: Vec<Point> =
+    let trace: Vec<PlotPoint> = log.q_rad.iter().map(in_plane).collect();
+    let circles: Vec<PlotPoint> =
         blends.iter().flat_map(|blend| blend.ends_rad.iter().map(in_plane)).collect();
     // Half-way between two blends, the velocity of that motion.
     let ends =
         blends.iter().map(|blend| blend.samples.start).chain([log.t_s.len().saturating_sub(1)]);
     let starts = [0].into_iter().chain(blends.iter().map(|blend| blend.samples.end));
-    let notes: Vec<(Point, String)> = starts
+    let notes: Vec<(PlotPoint, String)> = starts
         .zip(ends)
         .zip(&program.motions)
         .filter_map(|((start, end), motion)| match motion {

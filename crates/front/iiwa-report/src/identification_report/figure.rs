@@ -45,11 +45,11 @@ pub(super) struct KappaFigure {
     residual_of_model: f64,
     count: usize,
     /// kappa and its uncertainty every 10 deg within the observed range.
-    at: Vec<KappaAt>,
+    at: Vec<KappaPoint>,
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct KappaAt {
+struct KappaPoint {
     gamma_deg: f64,
     value: f64,
     uncertainty: f64,
@@ -69,7 +69,7 @@ impl KappaFigure {
                 .filter(|gamma| (kappa.gamma_deg[0]..=kappa.gamma_deg[1]).contains(gamma))
                 .map(|gamma_deg| {
                     let Estimate { value, uncertainty, .. } = kappa.at(gamma_deg);
-                    KappaAt { gamma_deg, value, uncertainty }
+                    KappaPoint { gamma_deg, value, uncertainty }
                 })
                 .collect(),
         }

@@ -15,7 +15,7 @@ use super::figure::Figure;
 
 /// Results from recorded torques.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct TorqueFigures {
+pub(super) struct TorqueResults {
     loads: Vec<LoadRow>,
     /// Joints A1 to A7; null if a joint hardly moves.
     viscous_nm_s_rad: [Option<Figure>; 7],
@@ -68,7 +68,7 @@ impl From<&LoadEstimate> for LoadRow {
     }
 }
 
-impl TorqueFigures {
+impl TorqueResults {
     pub(super) fn new(torques: &TorqueEstimates) -> Self {
         let figures = |estimates: &[Option<Estimate>; 7]| {
             estimates.map(|estimate| estimate.map(Figure::from))

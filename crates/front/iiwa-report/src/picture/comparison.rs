@@ -1,12 +1,13 @@
 //! Picture of a recording and a plan: both flange paths, and the deviations.
 
-use iiwa_eval::{Comparison, Plan, TracePoint};
+use iiwa_eval::{Comparison, PlannedTrajectory, TracePoint};
 use plotters::prelude::{
     ChartBuilder, Color, LineSeries, PathElement, Rectangle, SeriesLabelPosition, WHITE,
 };
 
 use super::{
-    Area, DASH, Drawn, FINE, HEIGHT, INK, MEASURED, PLANNED, SHADE, Space, WIDTH, font, legend, svg,
+    Area, DASH, DrawResult, FINE, HEIGHT, INK, MEASURED, PLANNED, SHADE, Space, WIDTH, font,
+    legend, svg,
 };
 use crate::ReportError;
 
@@ -18,7 +19,7 @@ const POINTS: u32 = 8000;
 /// # Errors
 ///
 /// [`ReportError::Draw`].
-pub fn draw(plan: &Plan, comparison: &Comparison) -> Result<String, ReportError> {
+pub fn draw(plan: &PlannedTrajectory, comparison: &Comparison) -> Result<String, ReportError> {
     let mm = |m: [f64; 3]| m.map(|v| 1e3 * v);
     let planned: Vec<_> = (0..=POINTS)
         .map(|k| plan.at(plan.cycle_time_s() * f64::from(k) / f64::from(POINTS)))
@@ -52,7 +53,7 @@ fn draw_paths(
     space: &Space,
     (across, up): (usize, usize),
     (planned, measured): (&[[f64; 3]], &[[f64; 3]]),
-) -> Drawn {
+) -> DrawResult {
     let mut chart = space.chart(area, "Path of the flange", (across, up))?;
     // Where both paths coincide, blue is visible on both sides of red.
     let paths = [
@@ -78,7 +79,7 @@ fn draw_deviation(
     (quantity, unit): (&str, &str),
     comparison: &Comparison,
     value: impl Fn(&TracePoint) -> f64,
-) -> Drawn {
+) -> DrawResult {
     let trace = &comparison.trace;
     let start_s = trace.first().map_or(0.0, |point| point.plan_s - point.measured_s);
     let last_s = trace.last().map_or(0.0, |point| start_s + point.measured_s);

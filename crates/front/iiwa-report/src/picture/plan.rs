@@ -9,8 +9,8 @@ use plotters::prelude::{
 };
 
 use super::{
-    AXES, Area, COLOURS, Chart, DASH, Drawn, FINE, HEIGHT, INK, SHADE, Space, WIDTH, font, legend,
-    shade, svg,
+    AXES, Area, COLOURS, Chart, DASH, DrawResult, FINE, HEIGHT, INK, SHADE, Space, WIDTH, font,
+    legend, shade, svg,
 };
 use crate::ReportError;
 
@@ -30,7 +30,7 @@ pub struct PlanPicture {
     robot: Robot,
     step_s: f64,
     next_s: f64,
-    samples: Vec<Sample>,
+    samples: Vec<PictureSample>,
     blends: Vec<BlendMark>,
     frames: Vec<PlacedFrame>,
     has_tools: bool,
@@ -38,7 +38,7 @@ pub struct PlanPicture {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Sample {
+struct PictureSample {
     t_s: f64,
     tcp_mm: [f64; 3],
     tcp_mm_s: f64,
@@ -85,7 +85,7 @@ impl PlanPicture {
         while self.next_s <= section.end_s() {
             let state = section.at(self.next_s);
             let limits = &self.robot.limits().velocity_rad_s;
-            self.samples.push(Sample {
+            self.samples.push(PictureSample {
                 t_s: state.t_s,
                 tcp_mm: self.tcp_mm(path.tcp(state.motion), &state.q),
                 offset_m: path.tcp(state.motion).position_m,
@@ -141,7 +141,7 @@ impl PlanPicture {
     }
 
     /// Draws the TCP path in the plane that shows most of it, with the same scale on both axes.
-    fn draw_path(&self, area: &Area<'_>) -> Drawn {
+    fn draw_path(&self, area: &Area<'_>) -> DrawResult {
         let space = Space::of(self.samples.iter().map(|sample| sample.tcp_mm));
         let [(across, up), ..] = space.planes();
         let subject = if self.has_tools { "TCP" } else { "flange" };
@@ -190,7 +190,7 @@ impl PlanPicture {
     }
 
     /// Draws the frame axes, x red, y green, z blue, and the frame names.
-    fn draw_frames(&self, chart: &mut Chart<'_>, (across, up): (usize, usize)) -> Drawn {
+    fn draw_frames(&self, chart: &mut Chart<'_>, (across, up): (usize, usize)) -> DrawResult {
         /// Length of an axis, relative to the range of the chart.
         const AXIS: f64 = 0.04;
         /// Maximum number of frames; more would hide each other.
@@ -214,7 +214,7 @@ impl PlanPicture {
     }
 
     /// Draws the TCP speed.
-    fn draw_tcp_speed(&self, area: &Area<'_>) -> Drawn {
+    fn draw_tcp_speed(&self, area: &Area<'_>) -> DrawResult {
         let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
         let max_mm_s =
             self.samples.iter().fold(1e-3_f64, |max_mm_s, sample| max_mm_s.max(sample.tcp_mm_s));
@@ -241,7 +241,7 @@ impl PlanPicture {
     }
 
     /// Draws the joint speeds; blends are shaded.
-    fn draw_speeds(&self, area: &Area<'_>) -> Drawn {
+    fn draw_speeds(&self, area: &Area<'_>) -> DrawResult {
         let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
         let mut chart = ChartBuilder::on(area)
             .caption("Joint speeds in % of their limits, blends shaded", font())
@@ -282,7 +282,7 @@ impl PlanPicture {
 const TONES: u8 = 40;
 
 /// Returns the largest joint speed relative to its limit, in colour steps.
-fn tone(sample: &Sample) -> u8 {
+fn tone(sample: &PictureSample) -> u8 {
     let fastest = sample.speed.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to TONES")]
     let tone = (fastest.min(1.0) * f64::from(TONES)).round() as u8;

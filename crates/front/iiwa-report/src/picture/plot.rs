@@ -8,13 +8,13 @@ use plotters::prelude::{
 
 use crate::{
     ReportError,
-    picture::{Area, DASH, Drawn, FINE, INK, SHADE, font, legend, svg},
+    picture::{Area, DASH, DrawResult, FINE, INK, SHADE, font, legend, svg},
 };
 
 /// Radius of a circle.
 const DOT: i32 = 20;
 
-pub(crate) type Point = (f64, f64);
+pub(crate) type PlotPoint = (f64, f64);
 
 /// Plot: axes and its layers, in drawing order.
 pub(crate) struct Plot {
@@ -25,14 +25,14 @@ pub(crate) struct Plot {
     equal: bool,
     legend_at: SeriesLabelPosition,
     layers: Vec<Layer>,
-    notes: Vec<(Point, String)>,
+    notes: Vec<(PlotPoint, String)>,
 }
 
 struct Layer {
     kind: Mark,
     colour: RGBColor,
     /// Parts, drawn without connecting lines.
-    parts: Vec<Vec<Point>>,
+    parts: Vec<Vec<PlotPoint>>,
     label: Option<String>,
 }
 
@@ -77,7 +77,7 @@ impl Plot {
 
     pub(crate) fn lines(
         self,
-        parts: Vec<Vec<Point>>,
+        parts: Vec<Vec<PlotPoint>>,
         colour: RGBColor,
         width: f64,
         label: &str,
@@ -87,7 +87,7 @@ impl Plot {
 
     pub(crate) fn line(
         self,
-        points: Vec<Point>,
+        points: Vec<PlotPoint>,
         colour: RGBColor,
         width: f64,
         label: &str,
@@ -95,18 +95,18 @@ impl Plot {
         self.lines(vec![points], colour, width, label)
     }
 
-    pub(crate) fn dots(self, points: Vec<Point>, colour: RGBColor, label: &str) -> Self {
+    pub(crate) fn dots(self, points: Vec<PlotPoint>, colour: RGBColor, label: &str) -> Self {
         self.layer(Mark::Dots, vec![points], colour, label)
     }
 
-    pub(crate) fn circles(self, points: Vec<Point>, colour: RGBColor, label: &str) -> Self {
+    pub(crate) fn circles(self, points: Vec<PlotPoint>, colour: RGBColor, label: &str) -> Self {
         self.layer(Mark::Circles, vec![points], colour, label)
     }
 
     pub(crate) fn band(
         self,
-        lower: &[Point],
-        upper: &[Point],
+        lower: &[PlotPoint],
+        upper: &[PlotPoint],
         colour: RGBColor,
         label: &str,
     ) -> Self {
@@ -115,12 +115,18 @@ impl Plot {
     }
 
     /// Adds a text beside a point.
-    pub(crate) fn note(mut self, position: Point, text: impl Into<String>) -> Self {
+    pub(crate) fn note(mut self, position: PlotPoint, text: impl Into<String>) -> Self {
         self.notes.push((position, text.into()));
         self
     }
 
-    fn layer(mut self, kind: Mark, parts: Vec<Vec<Point>>, colour: RGBColor, label: &str) -> Self {
+    fn layer(
+        mut self,
+        kind: Mark,
+        parts: Vec<Vec<PlotPoint>>,
+        colour: RGBColor,
+        label: &str,
+    ) -> Self {
         let label = (!label.is_empty()).then(|| label.to_owned());
         self.layers.push(Layer { kind, colour, parts, label });
         self
@@ -132,7 +138,7 @@ impl Plot {
             return ranges.clone();
         }
         let points = || self.layers.iter().flat_map(|layer| layer.parts.iter().flatten());
-        let range = |coordinate: fn(&Point) -> f64| {
+        let range = |coordinate: fn(&PlotPoint) -> f64| {
             let low = points().map(coordinate).fold(f64::INFINITY, f64::min);
             let high = points().map(coordinate).fold(f64::NEG_INFINITY, f64::max);
             let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
@@ -142,7 +148,7 @@ impl Plot {
         [range(|point| point.0), range(|point| point.1)]
     }
 
-    fn draw(&self, area: &Area<'_>) -> Drawn {
+    fn draw(&self, area: &Area<'_>) -> DrawResult {
         let (width, height) = area.dim_in_pixel();
         let frame = (f64::from(FINE) * 100.0, f64::from(FINE) * 92.0);
         let (width, height) = (f64::from(width) - frame.0, f64::from(height) - frame.1);
@@ -178,7 +184,7 @@ impl Plot {
             .x_desc(&self.axes[0])
             .y_desc(&self.axes[1])
             .draw()?;
-        let inside = |point: &Point| {
+        let inside = |point: &PlotPoint| {
             (across.start..=across.end).contains(&point.0) && (up.start..=up.end).contains(&point.1)
         };
         for layer in &self.layers {
@@ -218,7 +224,8 @@ impl Plot {
                 }
             }
             let Some(label) = &layer.label else { continue };
-            let entry = chart.draw_series(std::iter::empty::<Circle<Point, i32>>())?.label(label);
+            let entry =
+                chart.draw_series(std::iter::empty::<Circle<PlotPoint, i32>>())?.label(label);
             match layer.kind {
                 Mark::Line(_) => {
                     entry.legend(move |(x, y)| PathElement::new([(x, y), (x + DASH, y)], stroke))
@@ -281,9 +288,9 @@ fn number(value: f64, decimals: usize) -> String {
 
 /// Reduces a line to its visible points: omitted points are less than a quarter of a pixel from it
 /// (Douglas and Peucker 1973).
-fn thinned(line: &[Point], pixel: [f64; 2]) -> Vec<Point> {
+fn thinned(line: &[PlotPoint], pixel: [f64; 2]) -> Vec<PlotPoint> {
     const BESIDE: f64 = 0.25;
-    let place = |point: Point| (point.0 / pixel[0], point.1 / pixel[1]);
+    let place = |point: PlotPoint| (point.0 / pixel[0], point.1 / pixel[1]);
     let mut keep = vec![false; line.len()];
     let mut parts = vec![(0, line.len().saturating_sub(1))];
     while let Some((first, last)) = parts.pop() {
@@ -318,7 +325,7 @@ mod tests {
 
     #[test]
     fn lines_keep_their_corners() {
-        let line: Vec<Point> = (0..=200)
+        let line: Vec<PlotPoint> = (0..=200)
             .map(|i| f64::from(i) / 100.0)
             .map(|x| (x, if x < 1.0 { 0.0 } else { x - 1.0 }))
             .collect();

@@ -8,14 +8,14 @@
     reason = "counts are small, and joints index several arrays"
 )]
 
-use iiwa_fri::{Client, Format};
+use iiwa_fri::{Format, FriClient};
 
 use super::*;
 
 /// A cabinet with a client whose set-points move joint 1 at full speed, and joint 7 at half speed.
 struct SimulationScene {
     simulation: Simulation,
-    client: Client,
+    client: FriClient,
     at_rad: Joints,
     speed_rad_s: Joints,
     /// `true` if the client answers.
@@ -33,7 +33,7 @@ impl SimulationScene {
         let config = ControllerConfig { period_ms, receive_multiplier, format: Format::V1 };
         let mut scene = Self {
             simulation: Simulation::new(Robot::default(), start_rad, config, 1),
-            client: Client::default(),
+            client: FriClient::default(),
             at_rad: start_rad,
             speed_rad_s: [0.0; 7],
             answers: true,
@@ -88,7 +88,7 @@ impl SimulationScene {
     }
 
     fn is_braking(&self) -> bool {
-        matches!(self.simulation.activity, Activity::Braking(_))
+        matches!(self.simulation.activity, ProgramActivity::Braking(_))
     }
 
     /// Runs until the robot program has ended the run; asserts that the robot came to rest

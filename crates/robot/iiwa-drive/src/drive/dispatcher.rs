@@ -22,4 +22,4 @@ mod stop;
 #[cfg(test)]
 mod tests;
 
-pub(super) use state::{Dispatcher, IncomingRequest, Output};
+pub(super) use state::{Dispatcher, DispatcherOutput, IncomingRequest};

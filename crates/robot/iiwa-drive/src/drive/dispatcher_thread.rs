@@ -13,12 +13,12 @@ use bytes::Bytes;
 use iiwa_link::{
     Published,
     robot_program::{Acknowledgement, StateChange},
-    transport::{Dialer, Event, Frames, Listener, PeerId, Received},
+    transport::{Dialer, Event, Frames, Listener, PeerId, ReceivedMessage},
 };
 
 use super::{
     checks::{CheckJob, CheckResult},
-    dispatcher::{Dispatcher, IncomingRequest, Output},
+    dispatcher::{Dispatcher, DispatcherOutput, IncomingRequest},
     events::{FriCommand, FriEvent},
     run_replies::RunReply,
 };
@@ -51,7 +51,7 @@ pub(super) enum DispatcherInput {
 impl DispatcherInput {
     /// Converts an event of the request socket to an input.
     pub(super) fn of(event: Event) -> Self {
-        let (peer, Received { mut frames, permit, began }) = match event {
+        let (peer, ReceivedMessage { mut frames, permit, began }) = match event {
             Event::Disconnected(peer) => return Self::Disconnected(peer),
             Event::Message(peer, received) => (peer, received),
         };
@@ -134,17 +134,17 @@ impl DispatcherThread {
     fn send_outputs(&mut self) {
         for output in self.dispatcher.take_outputs() {
             match output {
-                Output::Reply(route, reply) => self.reply(route, reply),
-                Output::Instruct(instruction) => {
+                DispatcherOutput::Reply(route, reply) => self.reply(route, reply),
+                DispatcherOutput::Instruct(instruction) => {
                     self.program.send(vec![Bytes::new(), instruction.into()]);
                 }
-                Output::Reconnect => self.program.reconnect(),
+                DispatcherOutput::Reconnect => self.program.reconnect(),
                 // These threads outlive this one.
-                Output::RunReply(reply) => drop(self.replies.send(reply)),
-                Output::Check(job) => drop(self.jobs.send(job)),
-                Output::Fri(command) => drop(self.commands.send(command)),
+                DispatcherOutput::RunReply(reply) => drop(self.replies.send(reply)),
+                DispatcherOutput::Check(job) => drop(self.jobs.send(job)),
+                DispatcherOutput::Fri(command) => drop(self.commands.send(command)),
                 // The channel is full only if the publishing thread has stopped.
-                Output::Publish(published) => drop(self.stream.try_send(published)),
+                DispatcherOutput::Publish(published) => drop(self.stream.try_send(published)),
             }
         }
     }

@@ -21,7 +21,7 @@ use super::{
     protocol::{acknowledge, check_protocol},
 };
 use fri::{FriFindings, listen};
-use step::Fault;
+use step::LinkFault;
 pub use step::{CheckStep, StepResult};
 
 /// Time-out of a connection, and of its handshake.
@@ -105,26 +105,26 @@ struct Steps<F> {
 }
 
 impl<F: FnMut(&CheckStep)> Steps<F> {
-    fn add(&mut self, step: &'static str, result: StepResult, fault: Fault) {
-        let Fault { text, settings } = fault;
+    fn add(&mut self, step: &'static str, result: StepResult, fault: LinkFault) {
+        let LinkFault { text, settings } = fault;
         let step = CheckStep { step, result, text, settings };
         (self.on_step)(&step);
         self.done.push(step);
     }
 
     fn ok(&mut self, step: &'static str, text: impl Into<String>) {
-        self.add(step, StepResult::Ok, Fault::new(text, &[]));
+        self.add(step, StepResult::Ok, LinkFault::new(text, &[]));
     }
 
-    fn fails(&mut self, step: &'static str, fault: Fault) {
+    fn fails(&mut self, step: &'static str, fault: LinkFault) {
         self.add(step, StepResult::Fails, fault);
     }
 
     fn skipped(&mut self, step: &'static str, text: impl Into<String>) {
-        self.add(step, StepResult::Skipped, Fault::new(text, &[]));
+        self.add(step, StepResult::Skipped, LinkFault::new(text, &[]));
     }
 
-    fn of(&mut self, step: &'static str, result: Result<String, Fault>) {
+    fn of(&mut self, step: &'static str, result: Result<String, LinkFault>) {
         match result {
             Ok(text) => self.ok(step, text),
             Err(fault) => self.fails(step, fault),
@@ -133,7 +133,7 @@ impl<F: FnMut(&CheckStep)> Steps<F> {
 }
 
 /// Binds the drive's UDP port, if it is free and reachable from the controller.
-fn bind_fri_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
+fn bind_fri_port(config: &DriveConfig) -> Result<UdpSocket, LinkFault> {
     use std::io::ErrorKind::{AddrInUse, AddrNotAvailable};
     let (fri, controller) = (config.fri, config.fri_controller);
     if fri.ip().is_loopback() && !controller.is_loopback() {
@@ -142,14 +142,14 @@ fn bind_fri_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
              the address of the network card towards the cabinet, with port {}",
             fri.port()
         );
-        return Err(Fault::new(text, &["fri"]));
+        return Err(LinkFault::new(text, &["fri"]));
     }
     if !fri.ip().is_loopback() && controller.is_loopback() {
         let text = format!(
             "FRI would be accepted from this machine only ({controller}): give the controller's \
              address"
         );
-        return Err(Fault::new(text, &["cabinet", "fri-cabinet"]));
+        return Err(LinkFault::new(text, &["cabinet", "fri-cabinet"]));
     }
     UdpSocket::bind(fri).map_err(|error| {
         let text = match error.kind() {
@@ -164,7 +164,7 @@ fn bind_fri_port(config: &DriveConfig) -> Result<UdpSocket, Fault> {
             ),
             _ => format!("UDP {fri} cannot be used: {error}"),
         };
-        Fault::new(text, &["fri"])
+        LinkFault::new(text, &["fri"])
     })
 }
 
@@ -216,12 +216,12 @@ fn check_program<F: FnMut(&CheckStep)>(
          make sure that no other drive is connected to it",
         STATE_TIMEOUT.as_secs()
     );
-    steps.fails(PROGRAM, Fault::new(text, &[]));
+    steps.fails(PROGRAM, LinkFault::new(text, &[]));
     steps.skipped(CONDITIONS, "the robot program does not answer");
 }
 
 /// Returns the reason why a port is unreachable, with the remedy.
-fn unreachable(address: &str, error: &ProbeError) -> Fault {
+fn unreachable(address: &str, error: &ProbeError) -> LinkFault {
     const PORTS: &[&str] = &["cabinet-instructions", "cabinet-state"];
     match error {
         ProbeError::NothingListens => {
@@ -229,7 +229,7 @@ fn unreachable(address: &str, error: &ProbeError) -> Fault {
                 "{address}: the host answers, and nothing listens at the port: start the robot \
                  program on the smartPAD, and compare the ports in its settings"
             );
-            Fault::new(text, PORTS)
+            LinkFault::new(text, PORTS)
         }
         ProbeError::NoAnswer => {
             let text = format!(
@@ -237,25 +237,25 @@ fn unreachable(address: &str, error: &ProbeError) -> Fault {
                  its address, are both in one network (address and mask), does a firewall block \
                  the port?"
             );
-            Fault::new(text, &["cabinet"])
+            LinkFault::new(text, &["cabinet"])
         }
         ProbeError::NoHandshake | ProbeError::Protocol { .. } => {
             let text = format!(
                 "{address}: something listens there that does not speak as a robot program does \
                  ({error}): compare the ports, and the keys on both sides"
             );
-            Fault::new(text, PORTS)
+            LinkFault::new(text, PORTS)
         }
         ProbeError::UnknownHost => {
             let text = format!("{address}: the name of the host is not known: give its IP address");
-            Fault::new(text, &["cabinet"])
+            LinkFault::new(text, &["cabinet"])
         }
-        _ => Fault::new(format!("{address}: {error}"), &["key", "cabinet-key"]),
+        _ => LinkFault::new(format!("{address}: {error}"), &["key", "cabinet-key"]),
     }
 }
 
 /// Returns the fault for wrong keys.
-fn refusal(reason: ConnectionRefusal, has_keys: bool) -> Fault {
+fn refusal(reason: ConnectionRefusal, has_keys: bool) -> LinkFault {
     let text = match reason {
         ConnectionRefusal::KeysOnOneSide if has_keys => {
             "this side has keys, the robot program has none: give it keys in its settings, or \
@@ -273,7 +273,7 @@ fn refusal(reason: ConnectionRefusal, has_keys: bool) -> Fault {
              the .pub file that belongs to this side's key?"
         }
     };
-    Fault::new(text, &["key", "cabinet-key"])
+    LinkFault::new(text, &["key", "cabinet-key"])
 }
 
 /// Receives and acknowledges the state of the robot program.
@@ -293,17 +293,17 @@ fn receive_state(cabinet: &Remote, address: &str) -> Option<StateChange> {
 }
 
 /// Reports the robot program, its version and its robot.
-fn program(state: &StateChange, robot: &RobotIdentity) -> Result<String, Fault> {
+fn program(state: &StateChange, robot: &RobotIdentity) -> Result<String, LinkFault> {
     let simulated = if state.simulated { ", of a simulated robot" } else { "" };
     let Some(hello) = &state.hello else {
         return Ok(format!("it answers{simulated}; it does not tell its version"));
     };
-    check_protocol(hello).map_err(|refusal| Fault::new(refusal.message, &[]))?;
+    check_protocol(hello).map_err(|refusal| LinkFault::new(refusal.message, &[]))?;
     let sunrise = hello.sunrise.as_ref().map(|version| format!(", Sunrise {}", shortened(version)));
     let robot = match &hello.robot {
         Some(at_cabinet) => {
             let same = robot.check_cabinet(at_cabinet);
-            same.map_err(|refusal| Fault::new(refusal.message, &["robot"]))?;
+            same.map_err(|refusal| LinkFault::new(refusal.message, &["robot"]))?;
             format!(", {at_cabinet}")
         }
         None => ", robot not stated".to_owned(),
@@ -324,7 +324,7 @@ fn check_conditions<F: FnMut(&CheckStep)>(reported: Option<&Conditions>, steps: 
     if conditions.safety_stop == Some(true) {
         return steps.fails(
             CONDITIONS,
-            Fault::new(
+            LinkFault::new(
                 format!(
                     "{text}: no motion begins; release the emergency stop, and acknowledge it on \
                      the smartPAD"
@@ -375,7 +375,7 @@ fn check_priority<F: FnMut(&CheckStep)>(
             let text = format!(
                 "not permitted, and FRI sends every {period_ms} ms: {remedy}; or a send period of 5 ms"
             );
-            steps.fails(PRIORITY, Fault::new(text, &[]));
+            steps.fails(PRIORITY, LinkFault::new(text, &[]));
         }
         _ => steps.ok(
             PRIORITY,

@@ -26,7 +26,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iiwa_fri::{Client, Monitoring, Received, SessionState, ahead};
+use iiwa_fri::{FriClient, Monitoring, Received, SessionState, ahead};
 use iiwa_kin::{Joints, Limits};
 
 use super::events::UnexpectedSource;
@@ -59,7 +59,7 @@ const RANGE_RAD: f64 = 0.1;
 
 /// Verdict on a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(super) enum MessageVerdict {
     /// The message is implausible.
     Ignore,
     /// The message is consistent with the previous ones.
@@ -125,8 +125,8 @@ impl Plausibility {
         message: &Monitoring,
         from: SocketAddr,
         now: Instant,
-        client: &Client,
-    ) -> Verdict {
+        client: &FriClient,
+    ) -> MessageVerdict {
         if from.ip() != self.cabinet {
             return self.ignore("its source address differs");
         }
@@ -162,7 +162,7 @@ impl Plausibility {
             let is_successor =
                 is_ahead && counted_time_s(message, latest, now.duration_since(received)).is_ok();
             self.accepted = Some((from, now));
-            return if is_successor { Verdict::Accept } else { Verdict::Restart };
+            return if is_successor { MessageVerdict::Accept } else { MessageVerdict::Restart };
         }
         self.suspect = Some((message.clone(), now, row));
         self.ignore(reason)
@@ -173,18 +173,22 @@ impl Plausibility {
         message: &Monitoring,
         from: SocketAddr,
         now: Instant,
-        client: &Client,
-    ) -> Verdict {
+        client: &FriClient,
+    ) -> MessageVerdict {
         let received = client.classify(message);
         // A repeated message does not show that the controller is still sending.
         if received.is_fresh() {
             self.suspect = None;
             self.accepted = Some((from, now));
         }
-        if received == Received::Restarted { Verdict::Restart } else { Verdict::Accept }
+        if received == Received::Restarted {
+            MessageVerdict::Restart
+        } else {
+            MessageVerdict::Accept
+        }
     }
 
-    fn ignore(&mut self, reason: &str) -> Verdict {
+    fn ignore(&mut self, reason: &str) -> MessageVerdict {
         self.ignored += 1;
         // Not every message is logged, which would flood the log.
         if self.ignored.is_power_of_two() {
@@ -193,7 +197,7 @@ impl Plausibility {
                 self.ignored
             );
         }
-        Verdict::Ignore
+        MessageVerdict::Ignore
     }
 
     fn check_consistency(
@@ -201,7 +205,7 @@ impl Plausibility {
         message: &Monitoring,
         latest: &Monitoring,
         elapsed: Duration,
-        client: &Client,
+        client: &FriClient,
     ) -> Result<(), &'static str> {
         match client.classify(message) {
             Received::New => self.check_successor(message, latest, elapsed),

@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iiwa_fri::{Client, Format, Monitoring, SessionState};
+use iiwa_fri::{Format, FriClient, Monitoring, SessionState};
 use iiwa_kin::{Joints, Limits};
 use iiwa_link::{
     TimedJoints,
@@ -17,8 +17,8 @@ use super::{
     clock::{Clock, Tick},
     events::{FriEvent, Observation},
     governor::Governor,
-    plausibility::{Plausibility, Verdict},
-    setpoints::{Parameters, TrajectoryTask},
+    plausibility::{MessageVerdict, Plausibility},
+    setpoints::{SendParameters, TrajectoryTask},
 };
 
 /// Result of receiving a datagram.
@@ -35,7 +35,7 @@ pub(super) enum Reception {
 /// The drive side of FRI.
 pub(super) struct Responder {
     limits: Limits,
-    client: Client,
+    client: FriClient,
     plausibility: Plausibility,
     clock: Clock,
     task: TrajectoryTask,
@@ -57,7 +57,7 @@ impl Responder {
     pub(super) fn new(cabinet: IpAddr, limits: &Limits) -> Self {
         Self {
             limits: *limits,
-            client: Client::new(Format::V1),
+            client: FriClient::new(Format::V1),
             plausibility: Plausibility::new(cabinet, limits),
             clock: Clock::default(),
             task: TrajectoryTask::Idle,
@@ -131,17 +131,17 @@ impl Responder {
             }
         };
         match self.plausibility.judge(&message, from, now, &self.client) {
-            Verdict::Ignore => {
+            MessageVerdict::Ignore => {
                 let unexpected = self.plausibility.unexpected(from, now);
                 self.events.extend(unexpected.map(FriEvent::Unexpected));
                 return Reception::Ignored;
             }
-            Verdict::Accept => {
+            MessageVerdict::Accept => {
                 if !self.client.accept(message).is_fresh() {
                     return Reception::Ignored;
                 }
             }
-            Verdict::Restart => {
+            MessageVerdict::Restart => {
                 self.client.restart(message);
                 self.clock.restart();
                 if self.task.moves() {
@@ -165,7 +165,7 @@ impl Responder {
     }
 
     fn answer(&mut self, message: &Monitoring, tick: Tick, answer: &mut Vec<u8>) -> Reception {
-        let step_s = Parameters::of(message).step_s();
+        let step_s = SendParameters::of(message).step_s();
         let commands = message.session == SessionState::CommandingActive;
         let is_due = self.client.is_due();
         if commands {

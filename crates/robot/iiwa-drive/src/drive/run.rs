@@ -3,23 +3,23 @@
 use std::time::{Duration, Instant};
 
 use iiwa_link::{
-    message::{DriveState, MAX_SAMPLES, Refusal, Run, RunLabel, Samples, TimedBy},
+    message::{DriveState, MAX_SAMPLES, MeasuredPositions, Refusal, Run, RunLabel, TimedBy},
     robot_program::{Instruction, Outcome, RunId},
 };
 
 use super::{commanded_times::CommandedTimes, events::Observation, setpoints::TrajectoryEnd};
 
 /// A run in progress. `A` is its requester.
-pub(super) struct Running<A> {
+pub(super) struct ActiveRun<A> {
     pub(super) kind: DriveState,
     pub(super) run: RunId,
     /// Label from the client request.
     pub(super) label: RunLabel,
     pub(super) requester: A,
-    pub(super) phase: Phase,
+    pub(super) phase: RunProgress,
     /// The instruction that ends the run; it is repeated until the run has ended.
     pub(super) end_instruction: Option<Instruction>,
-    samples: Samples,
+    samples: MeasuredPositions,
     samples_left_out: u64,
     commanded: CommandedTimes,
     /// Time at which the robot program acknowledged the beginning of the run.
@@ -27,12 +27,12 @@ pub(super) struct Running<A> {
     /// End of the trajectory on the drive side.
     pub(super) trajectory_end: Option<TrajectoryEnd>,
     /// End of the run, and the time until which its last samples are awaited.
-    ended: Option<(Ended, Instant)>,
+    ended: Option<(EndedRun, Instant)>,
 }
 
 /// The phase of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Phase {
+pub(super) enum RunProgress {
     /// The robot program plans the motions of the run; they can be withdrawn.
     Planning,
     /// The robot program is instructed to begin.
@@ -42,7 +42,7 @@ pub(super) enum Phase {
 }
 
 #[derive(Default)]
-struct Ended {
+struct EndedRun {
     start_s: Option<f64>,
     end_s: Option<f64>,
     /// Time since which messages are awaited that show the end, if the robot program reported no
@@ -75,10 +75,10 @@ const COMMANDED_MESSAGES: u32 = 3;
 /// later.
 const ARRIVAL_S: f64 = 0.25;
 
-impl<A> Running<A> {
+impl<A> ActiveRun<A> {
     pub(super) fn new(
         kind: DriveState,
-        phase: Phase,
+        phase: RunProgress,
         run: RunId,
         label: RunLabel,
         requester: A,
@@ -91,7 +91,7 @@ impl<A> Running<A> {
             requester,
             phase,
             end_instruction: None,
-            samples: Samples::default(),
+            samples: MeasuredPositions::default(),
             samples_left_out: 0,
             commanded: CommandedTimes::default(),
             begun_at: None,
@@ -118,7 +118,7 @@ impl<A> Running<A> {
 
     /// Records that the robot program has begun the run.
     pub(super) fn begun(&mut self, now: Instant) {
-        self.phase = Phase::Begun;
+        self.phase = RunProgress::Begun;
         // The first time counts: the outcome calls this function again.
         self.begun_at.get_or_insert(now);
     }
@@ -139,9 +139,9 @@ impl<A> Running<A> {
         let ended = match self.trajectory_end.take() {
             // The set-point times are known here.
             Some(TrajectoryEnd { start_s, end_s, error, .. }) if outcome.error.is_none() => {
-                Ended { start_s: Some(start_s), end_s: Some(end_s), untimed: None, error }
+                EndedRun { start_s: Some(start_s), end_s: Some(end_s), untimed: None, error }
             }
-            trajectory_end => Ended {
+            trajectory_end => EndedRun {
                 start_s: outcome.start_s.map(|start_s| start_s - ahead_s),
                 end_s: outcome.end_s.map(|end_s| end_s - ahead_s),
                 untimed: outcome.end_s.is_none().then_some(now),
@@ -160,7 +160,7 @@ impl<A> Running<A> {
 
     /// Records a failure of the run, which may not have begun.
     pub(super) fn fail(&mut self, error: Refusal, now: Instant) {
-        self.ended.get_or_insert((Ended { error: Some(error), ..Ended::default() }, now));
+        self.ended.get_or_insert((EndedRun { error: Some(error), ..EndedRun::default() }, now));
     }
 
     /// Returns true if the run has ended.
@@ -188,7 +188,7 @@ impl<A> Running<A> {
     /// Finishes the run.
     pub(super) fn finish(self) -> FinishedRun<A> {
         let (ended, _) = self.ended.unzip();
-        let Ended { mut start_s, mut end_s, untimed, error } = ended.unwrap_or_default();
+        let EndedRun { mut start_s, mut end_s, untimed, error } = ended.unwrap_or_default();
         let mut samples = self.samples;
         let mut run = Run::default();
         match untimed.map(|_| self.commanded.times_s()) {
@@ -212,7 +212,7 @@ impl<A> Running<A> {
 }
 
 /// Removes the samples after the end.
-fn truncate(samples: &mut Samples, end_s: Option<f64>) {
+fn truncate(samples: &mut MeasuredPositions, end_s: Option<f64>) {
     // Stamps are sums: the last one may be slightly off.
     const ROUNDING_S: f64 = 1e-6;
     if let Some(end_s) = end_s {

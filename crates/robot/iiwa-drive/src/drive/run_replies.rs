@@ -11,19 +11,19 @@ use std::{
 };
 
 use bytes::Bytes;
-use iiwa_link::message::{Body, Id, MAX_REPLY_BYTES, Refusal, Reply, Run};
+use iiwa_link::message::{Id, MAX_REPLY_BYTES, Refusal, Reply, ReplyBody, Run};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 /// The stored measurements of a run.
 pub(super) struct RunRecord {
-    body: Body,
+    body: ReplyBody,
     error: Option<Refusal>,
     samples: usize,
 }
 
 impl RunRecord {
     pub(super) fn new(run: Run, error: Option<Refusal>) -> Self {
-        Self { samples: run.samples.t_s.len(), body: Body::Run(run), error }
+        Self { samples: run.samples.t_s.len(), body: ReplyBody::Run(run), error }
     }
 
     /// Returns the memory of a reply, in units of [`UNIT_BYTES`].

@@ -74,7 +74,7 @@ pub(super) enum TrajectoryTask {
         run: RunId,
         playback: Box<Playback<OffsetTrajectory>>,
         start_s: f64,
-        parameters: Parameters,
+        parameters: SendParameters,
         /// Time spent waiting for arrival at the last set-point, in s.
         arriving_s: f64,
     },
@@ -85,7 +85,7 @@ pub(super) enum TrajectoryTask {
 
 /// Send period and receive multiplier of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Parameters {
+pub(super) struct SendParameters {
     period_ms: u32,
     receive_multiplier: u32,
 }
@@ -97,7 +97,7 @@ const LONGEST_PERIOD_MS: u32 = 10;
 /// time.
 const LONGEST_STEP_MS: u32 = 50;
 
-impl Parameters {
+impl SendParameters {
     pub(super) fn of(message: &Monitoring) -> Self {
         Self {
             period_ms: message.send_period_ms,
@@ -211,7 +211,7 @@ impl TrajectoryTask {
             }
             match start(trajectory, message, limits) {
                 Ok(mut playback) => {
-                    let parameters = Parameters::of(message);
+                    let parameters = SendParameters::of(message);
                     // The first set-point is one answer period ahead of the start.
                     playback.advance(parameters.step_s());
                     let setpoint = playback.position();
@@ -271,7 +271,7 @@ fn is_safe(message: &Monitoring) -> bool {
 }
 
 /// Checks that a trajectory can continue with a message.
-fn check_continuation(message: &Monitoring, parameters: Parameters) -> Result<(), Refusal> {
+fn check_continuation(message: &Monitoring, parameters: SendParameters) -> Result<(), Refusal> {
     if message.session != SessionState::CommandingActive {
         return Err(Refusal::robot(format!(
             "FRI commanding has ended: session {}, quality {}",
@@ -286,7 +286,7 @@ fn check_continuation(message: &Monitoring, parameters: Parameters) -> Result<()
     if message.commanded_rad.is_none() {
         return Err(Refusal::robot("the FRI messages no longer contain the commanded position"));
     }
-    if Parameters::of(message) != parameters {
+    if SendParameters::of(message) != parameters {
         return Err(Refusal::robot(format!(
             "FRI's send period changed from {} to {} ms or its receive multiplier from {} to {} \
              during the run",
@@ -311,7 +311,7 @@ fn start(
             "the robot program has opened FRI for a command mode other than position",
         ));
     }
-    Parameters::of(message).check()?;
+    SendParameters::of(message).check()?;
     let start = trajectory.at(0.0);
     let Some(robot) = message.commanded_rad else {
         return Err(Refusal::robot("the FRI messages do not contain the commanded position"));

@@ -1,6 +1,8 @@
 //! Round trips, and bytes that are not messages.
 
-use iiwa_fri::{Client, Controller, Format, MAX_DATAGRAM_BYTES, Reading, SessionState, WireError};
+use iiwa_fri::{
+    Controller, Format, FriClient, MAX_DATAGRAM_BYTES, Reading, SessionState, WireError,
+};
 use proptest::prelude::*;
 
 use crate::messages::{any_command, any_monitoring};
@@ -60,7 +62,7 @@ proptest! {
             prop_oneof![prop::collection::vec(any::<u8>(), 0..1600), damaged()], 1..8,
         ),
     ) {
-        let mut client = Client::new(FORMAT);
+        let mut client = FriClient::new(FORMAT);
         let mut controller = Controller::default();
         let mut out = Vec::new();
         for (datagram, round) in datagrams.iter().zip(1..) {

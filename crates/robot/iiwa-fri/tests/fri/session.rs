@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use SessionState::{CommandingActive, CommandingWait, Idle, MonitoringReady, MonitoringWait};
 use iiwa_fri::{
-    Client, Controller, ControllerConfig, Format, Quality, Reading, Received, SessionState,
+    Controller, ControllerConfig, Format, FriClient, Quality, Reading, Received, SessionState,
 };
 use iiwa_kin::Joints;
 
@@ -15,7 +15,7 @@ const HOME: Joints = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6, 0.7];
 /// Both sides, the network between them, and a robot that follows its set-points exactly.
 struct Cell {
     controller: Controller,
-    client: Client,
+    client: FriClient,
     down: Network,
     up: Network,
     robot: Joints,
@@ -32,7 +32,7 @@ impl Cell {
         let config = ControllerConfig { receive_multiplier, ..ControllerConfig::default() };
         Self {
             controller: Controller::new(config),
-            client: Client::new(Format::V1),
+            client: FriClient::new(Format::V1),
             down: Network::new(seed),
             up: Network::new(seed ^ 0xffff),
             robot: HOME,
@@ -292,7 +292,7 @@ fn setpoints_have_to_agree_with_the_interpolation() {
 fn either_side_may_start_again() {
     let mut cell = Cell::new(1, 0);
     cell.cycles(500);
-    cell.client = Client::default();
+    cell.client = FriClient::default();
     cell.cycles(200);
     assert_eq!(cell.controller.quality(), Quality::Excellent);
     assert_eq!(cell.controller.counters().ignored, 0);

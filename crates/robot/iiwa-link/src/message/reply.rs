@@ -48,7 +48,7 @@ impl fmt::Display for DriveState {
 /// Measured joint positions over time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-pub struct Samples {
+pub struct MeasuredPositions {
     /// Time stamps, in s, as in the stream: the controller time since its first message to
     /// iiwaDrive.
     pub t_s: Vec<f64>,
@@ -56,7 +56,7 @@ pub struct Samples {
     pub joints_rad: Vec<Joints>,
 }
 
-impl Samples {
+impl MeasuredPositions {
     /// Creates samples from times, in s, and positions, in rad.
     #[must_use]
     pub fn new(t_s: Vec<f64>, joints_rad: Vec<Joints>) -> Self {
@@ -83,7 +83,7 @@ pub struct Run {
     /// Measurements over FRI, from just before the start to the end, and up to 0.25 s longer if the
     /// end is taken from the commanded positions: the robot arrives after them.
     #[serde(default)]
-    pub samples: Samples,
+    pub samples: MeasuredPositions,
     /// Number of samples beyond [`MAX_SAMPLES`](super::MAX_SAMPLES), which are not stored.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub samples_left_out: u64,
@@ -92,7 +92,7 @@ pub struct Run {
 impl Run {
     /// Creates a run with samples only.
     #[must_use]
-    pub fn new(samples: Samples) -> Self {
+    pub fn new(samples: MeasuredPositions) -> Self {
         Self { samples, ..Self::default() }
     }
 }
@@ -176,7 +176,7 @@ impl FriStatus {
 /// A snapshot of the drive and the robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-pub struct Status {
+pub struct DriveStatus {
     /// The state of the drive.
     pub state: DriveState,
     /// The robot that the drive is configured for; `None` from a drive of an older version.
@@ -202,7 +202,7 @@ pub struct Status {
     pub conditions: Option<Conditions>,
 }
 
-impl Status {
+impl DriveStatus {
     /// Creates the status of a drive that has not received any data from the robot.
     #[must_use]
     pub fn new(state: DriveState, fri: FriStatus) -> Self {
@@ -235,11 +235,11 @@ pub enum Presence {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 #[non_exhaustive]
-pub enum Body {
+pub enum ReplyBody {
     /// Reply to runs, including aborted ones, and to `last_run`.
     Run(Run),
     /// Reply to `state`.
-    Status(Box<Status>),
+    Status(Box<DriveStatus>),
     /// Reply to `read_sensors`.
     Sensors {
         /// The readings.
@@ -274,7 +274,7 @@ pub struct Reply<'a> {
     /// The reason why the request was not, or not completely, carried out.
     pub error: Option<&'a Refusal>,
     /// The requested content.
-    pub body: Option<&'a Body>,
+    pub body: Option<&'a ReplyBody>,
 }
 
 impl Reply<'_> {
@@ -289,7 +289,7 @@ impl Reply<'_> {
             #[serde(skip_serializing_if = "Option::is_none")]
             error: Option<&'a Refusal>,
             #[serde(flatten)]
-            body: Option<&'a Body>,
+            body: Option<&'a ReplyBody>,
         }
         let Self { id, error, body } = *self;
         to_json(&ReplyJson { ok: error.is_none(), id, error, body })

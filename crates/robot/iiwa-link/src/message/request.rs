@@ -2,7 +2,7 @@
 
 use std::str;
 
-use iiwa_json::Object;
+use iiwa_json::JsonObject;
 use iiwa_program::MotionList;
 use serde::{
     Deserialize, Deserializer, Serialize,
@@ -133,8 +133,8 @@ impl Request {
             return (None, Err(Refusal::bad("the request is not text in UTF-8")));
         };
         // A busy drive refuses requests by their head, without parsing a long trajectory.
-        match serde_json::from_str::<Object<HeadKeys>>(text) {
-            Ok(Object(HeadKeys { r#type, id })) => (id, Ok(RequestHead { r#type, text })),
+        match serde_json::from_str::<JsonObject<HeadKeys>>(text) {
+            Ok(JsonObject(HeadKeys { r#type, id })) => (id, Ok(RequestHead { r#type, text })),
             // Also a refusal needs the id, by which the client assigns replies to requests.
             Err(error) => (id_of(text), Err(bad_json(text, &error))),
         }
@@ -224,8 +224,8 @@ impl Request {
 }
 
 fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
-    match serde_json::from_str::<Object<T>>(text) {
-        Ok(Object(request)) => Ok(request),
+    match serde_json::from_str::<JsonObject<T>>(text) {
+        Ok(JsonObject(request)) => Ok(request),
         Err(error) => Err(bad_json(text, &error)),
     }
 }
@@ -283,7 +283,7 @@ fn id_of(text: &str) -> Option<Id> {
         #[serde(default, deserialize_with = "given")]
         id: Option<Id>,
     }
-    serde_json::from_str::<Object<OnlyId>>(text).ok().and_then(|Object(only)| only.id)
+    serde_json::from_str::<JsonObject<OnlyId>>(text).ok().and_then(|JsonObject(only)| only.id)
 }
 
 /// Declares the JSON object of a request: its specific keys, `type` and `id`.
@@ -313,7 +313,7 @@ struct TrajectoryRequest {
     _type: String,
     #[serde(default, rename = "id")]
     _id: Option<Id>,
-    trajectory: Object<TimedJoints>,
+    trajectory: JsonObject<TimedJoints>,
     #[serde(default)]
     label: RunLabel,
 }

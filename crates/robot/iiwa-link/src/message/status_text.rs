@@ -7,7 +7,7 @@ use iiwa_kin::Joints;
 use crate::{
     message::{
         conditions::Conditions,
-        reply::{FriStatus, Presence, Status},
+        reply::{DriveStatus, FriStatus, Presence},
         text::shortened,
     },
     robot_program::PROTOCOL,
@@ -26,7 +26,7 @@ impl fmt::Display for Degrees<'_> {
     }
 }
 
-impl Status {
+impl DriveStatus {
     /// Returns true if the robot program or the controller reports an active safety stop.
     #[must_use]
     pub fn safety_stop(&self) -> bool {

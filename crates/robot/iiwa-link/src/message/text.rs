@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use iiwa_json::{Object, Place, problem};
+use iiwa_json::{JsonObject, JsonPlace, problem};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::message::refusal::Refusal;
@@ -17,13 +17,13 @@ pub fn to_json(value: &impl Serialize) -> String {
 /// Parses a message of another iiwasim program; `None` if it is malformed.
 #[must_use]
 pub fn from_json<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
-    serde_json::from_slice::<Object<T>>(bytes).ok().map(|Object(message)| message)
+    serde_json::from_slice::<JsonObject<T>>(bytes).ok().map(|JsonObject(message)| message)
 }
 
 /// Creates a refusal of a malformed request, with the fault and its position.
 #[must_use]
 pub fn bad_json(text: &str, error: &serde_json::Error) -> Refusal {
-    Refusal::bad(format!("{}, at {}", problem(error), Place::of_error(text, text, error)))
+    Refusal::bad(format!("{}, at {}", problem(error), JsonPlace::of_error(text, text, error)))
 }
 
 /// Returns the beginning of an external text, for messages; characters other than printable ASCII

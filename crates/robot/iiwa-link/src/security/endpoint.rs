@@ -27,12 +27,12 @@ use super::error::SecurityError;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Endpoint {
-    host: Host,
+    host: EndpointHost,
     port: Option<u16>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Host {
+enum EndpointHost {
     V4(Ipv4Addr),
     V6(Ipv6Addr),
     Any,
@@ -44,9 +44,9 @@ impl Endpoint {
     #[must_use]
     pub fn is_loopback(&self) -> bool {
         match &self.host {
-            Host::V4(address) => address.is_loopback(),
-            Host::V6(address) => address.is_loopback(),
-            Host::Any | Host::Name(_) => false,
+            EndpointHost::V4(address) => address.is_loopback(),
+            EndpointHost::V6(address) => address.is_loopback(),
+            EndpointHost::Any | EndpointHost::Name(_) => false,
         }
     }
 
@@ -57,10 +57,10 @@ impl Endpoint {
     pub fn resolve(&self) -> io::Result<SocketAddr> {
         let port = self.port.unwrap_or(0);
         match &self.host {
-            Host::V4(address) => Ok((*address, port).into()),
-            Host::V6(address) => Ok((*address, port).into()),
-            Host::Any => Ok((Ipv4Addr::UNSPECIFIED, port).into()),
-            Host::Name(name) => {
+            EndpointHost::V4(address) => Ok((*address, port).into()),
+            EndpointHost::V6(address) => Ok((*address, port).into()),
+            EndpointHost::Any => Ok((Ipv4Addr::UNSPECIFIED, port).into()),
+            EndpointHost::Name(name) => {
                 let unknown =
                     || io::Error::new(io::ErrorKind::NotFound, "the name cannot be resolved");
                 (name.as_str(), port).to_socket_addrs()?.next().ok_or_else(unknown)
@@ -85,7 +85,7 @@ impl Endpoint {
     /// # Errors
     /// [`SecurityError::Address`] or [`SecurityError::ConnectNeedsKeys`].
     pub fn check_connect(&self, has_keys: bool) -> Result<(), SecurityError> {
-        if self.host == Host::Any || self.port.is_none() {
+        if self.host == EndpointHost::Any || self.port.is_none() {
             let message = "to connect, a host and a port are required";
             return Err(SecurityError::Address { text: self.to_string(), message });
         }
@@ -99,10 +99,10 @@ impl Endpoint {
 impl fmt::Display for Endpoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.host {
-            Host::V4(address) => write!(f, "tcp://{address}:")?,
-            Host::V6(address) => write!(f, "tcp://[{address}]:")?,
-            Host::Any => f.write_str("tcp://*:")?,
-            Host::Name(name) => write!(f, "tcp://{name}:")?,
+            EndpointHost::V4(address) => write!(f, "tcp://{address}:")?,
+            EndpointHost::V6(address) => write!(f, "tcp://[{address}]:")?,
+            EndpointHost::Any => f.write_str("tcp://*:")?,
+            EndpointHost::Name(name) => write!(f, "tcp://{name}:")?,
         }
         match self.port {
             Some(port) => write!(f, "{port}"),
@@ -136,17 +136,17 @@ impl FromStr for Endpoint {
         };
         let bracketed = host.strip_prefix('[').and_then(|host| host.strip_suffix(']'));
         let host = if let Some(inside) = bracketed {
-            Host::V6(
+            EndpointHost::V6(
                 inside
                     .parse()
                     .map_err(|_| to_error("the brackets do not contain an IPv6 address"))?,
             )
         } else if host == "*" {
-            Host::Any
+            EndpointHost::Any
         } else if host.eq_ignore_ascii_case("localhost") {
-            Host::V4(Ipv4Addr::LOCALHOST)
+            EndpointHost::V4(Ipv4Addr::LOCALHOST)
         } else if let Ok(v4) = host.parse() {
-            Host::V4(v4)
+            EndpointHost::V4(v4)
         } else if host.contains(':') {
             return Err(to_error("write an IPv6 address in brackets, such as tcp://[::1]:5560"));
         } else {
@@ -154,7 +154,7 @@ impl FromStr for Endpoint {
             if host.is_empty() || !host.chars().all(named) {
                 return Err(to_error("HOST is an IP address, a name or *"));
             }
-            Host::Name(host.to_owned())
+            EndpointHost::Name(host.to_owned())
         };
         Ok(Self { host, port })
     }

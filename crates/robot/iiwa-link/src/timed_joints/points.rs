@@ -34,8 +34,8 @@ pub struct TimedJoints {
 }
 
 fn points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Joints>, D::Error> {
-    let points: Vec<Point> = bounded(deserializer)?;
-    Ok(points.into_iter().map(|Point(joints_rad)| joints_rad).collect())
+    let points: Vec<TimedPoint> = bounded(deserializer)?;
+    Ok(points.into_iter().map(|TimedPoint(joints_rad)| joints_rad).collect())
 }
 
 /// Deserializes a list of at most [`MAX_POINTS`] values; a longer list is not read to its end.
@@ -63,17 +63,17 @@ fn bounded<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 }
 
 /// Exactly seven numbers. Serde's error for an eighth number would be about trailing text.
-struct Point(Joints);
+struct TimedPoint(Joints);
 
-impl<'de> Deserialize<'de> for Point {
+impl<'de> Deserialize<'de> for TimedPoint {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct SevenNumbers;
         impl<'de> Visitor<'de> for SevenNumbers {
-            type Value = Point;
+            type Value = TimedPoint;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("seven joint angles, A1 to A7")
             }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Point, A::Error> {
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<TimedPoint, A::Error> {
                 let mut joints_rad = [0.0; 7];
                 for (count, joint) in joints_rad.iter_mut().enumerate() {
                     let Some(value) = seq.next_element()? else {
@@ -86,7 +86,7 @@ impl<'de> Deserialize<'de> for Point {
                     count += 1;
                 }
                 if count == 7 {
-                    Ok(Point(joints_rad))
+                    Ok(TimedPoint(joints_rad))
                 } else {
                     Err(A::Error::invalid_length(count, &self))
                 }

@@ -13,7 +13,7 @@ use tokio::{
 
 use super::{
     runtime::runtime,
-    wire::{Frames, Incoming, Wire, WireConfig, WireError},
+    wire::{ConnectionEnd, Frames, WireConfig, WireConnection, WireInput},
 };
 use crate::{error::LinkError, security::Endpoint};
 
@@ -30,12 +30,12 @@ const TIMEOUT: Duration = Duration::from_secs(2);
 /// A connection that a separate thread maintains until the dialer is dropped.
 #[derive(Debug)]
 pub struct Dialer {
-    commands: Option<UnboundedSender<Command>>,
+    commands: Option<UnboundedSender<DialerCommand>>,
     thread: Option<JoinHandle<()>>,
 }
 
 #[derive(Debug)]
-enum Command {
+enum DialerCommand {
     Send(Frames),
     Reconnect,
 }
@@ -62,15 +62,15 @@ impl Dialer {
 
     /// Sends a message, once connected. While disconnected, only the latest message is kept.
     pub fn send(&self, frames: Frames) {
-        self.command(Command::Send(frames));
+        self.command(DialerCommand::Send(frames));
     }
 
     /// Replaces the connection. Unsent messages are dropped.
     pub fn reconnect(&self) {
-        self.command(Command::Reconnect);
+        self.command(DialerCommand::Reconnect);
     }
 
-    fn command(&self, command: Command) {
+    fn command(&self, command: DialerCommand) {
         if let Some(commands) = &self.commands {
             // The thread outlives the sender.
             let _ = commands.send(command);
@@ -92,7 +92,7 @@ impl Drop for Dialer {
 async fn maintain(
     config: &WireConfig,
     to: &Endpoint,
-    mut command_queue: UnboundedReceiver<Command>,
+    mut command_queue: UnboundedReceiver<DialerCommand>,
     mut take: impl FnMut(Frames) -> Option<Frames>,
 ) {
     let mut pending = None;
@@ -103,8 +103,8 @@ async fn maintain(
                 tokio::select! {
                     wire = &mut connection => break wire,
                     command = command_queue.recv() => match command {
-                        Some(Command::Send(frames)) => pending = Some(frames),
-                        Some(Command::Reconnect) => pending = None,
+                        Some(DialerCommand::Send(frames)) => pending = Some(frames),
+                        Some(DialerCommand::Reconnect) => pending = None,
                         None => return,
                     },
                 }
@@ -125,25 +125,25 @@ enum ExchangeEnd {
 
 /// Sends and receives until the connection is lost or replaced.
 async fn exchange(
-    mut wire: Wire,
+    mut wire: WireConnection,
     first: Option<Frames>,
-    command_queue: &mut UnboundedReceiver<Command>,
+    command_queue: &mut UnboundedReceiver<DialerCommand>,
     take: &mut impl FnMut(Frames) -> Option<Frames>,
-) -> Result<ExchangeEnd, WireError> {
+) -> Result<ExchangeEnd, ConnectionEnd> {
     if let Some(frames) = first {
         wire.queue(&frames)?;
     }
     loop {
-        timeout(TIMEOUT, wire.flush()).await.map_err(|_| WireError::Stalled(TIMEOUT))??;
+        timeout(TIMEOUT, wire.flush()).await.map_err(|_| ConnectionEnd::Stalled(TIMEOUT))??;
         // Both branches are cancellation-safe: the one that is dropped loses no input.
         tokio::select! {
             command = command_queue.recv() => match command {
-                Some(Command::Send(frames)) => wire.queue(&frames)?,
-                Some(Command::Reconnect) => return Ok(ExchangeEnd::Reconnect),
+                Some(DialerCommand::Send(frames)) => wire.queue(&frames)?,
+                Some(DialerCommand::Reconnect) => return Ok(ExchangeEnd::Reconnect),
                 None => return Ok(ExchangeEnd::End),
             },
             incoming = wire.receive() => {
-                if let Incoming::Message(received) = incoming?
+                if let WireInput::Message(received) = incoming?
                     && let Some(reply) = take(received.frames)
                 {
                     wire.queue(&reply)?;
@@ -154,15 +154,15 @@ async fn exchange(
 }
 
 /// Connects, with retries.
-async fn connect(config: &WireConfig, to: &Endpoint) -> Wire {
+async fn connect(config: &WireConfig, to: &Endpoint) -> WireConnection {
     let mut logged = None;
     let mut pause = RETRY_INTERVAL;
     loop {
         let refused_pause = REFUSED_INTERVAL.min(2 * pause);
-        pause = match timeout(TIMEOUT, Wire::connect(to, config)).await {
+        pause = match timeout(TIMEOUT, WireConnection::connect(to, config)).await {
             Ok(Ok(wire)) => return wire,
             // Logged once: the attempts continue for as long as the peer refuses them.
-            Ok(Err(WireError::Refused(reason))) if logged != Some(reason) => {
+            Ok(Err(ConnectionEnd::Refused(reason))) if logged != Some(reason) => {
                 tracing::warn!("{to} refused the connection: {}", reason.reason());
                 logged = Some(reason);
                 refused_pause
@@ -170,7 +170,7 @@ async fn connect(config: &WireConfig, to: &Endpoint) -> Wire {
             Ok(Err(error)) => {
                 tracing::trace!("{to}: {error}");
                 // An I/O error is usually a missing peer, which cannot log the attempts.
-                if matches!(error, WireError::Io(_)) { RETRY_INTERVAL } else { refused_pause }
+                if matches!(error, ConnectionEnd::Io(_)) { RETRY_INTERVAL } else { refused_pause }
             }
             Err(_) => {
                 tracing::trace!("{to}: no answer");

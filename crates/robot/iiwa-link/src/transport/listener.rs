@@ -25,10 +25,13 @@ use tokio::{
 
 use super::{
     open_files::{self, CLOSING},
-    places::{Activity, Holder, Occupant, PeerId, Places, Stage},
+    places::{Activity, ConnectionSlots, ConnectionStage, Holder, Occupant, PeerId},
     runtime::runtime,
     subscriptions::Subscriptions,
-    wire::{Frames, HandshakeStep, Incoming, Received, Wire, WireConfig, WireError},
+    wire::{
+        ConnectionEnd, Frames, HandshakeStep, ReceivedMessage, WireConfig, WireConnection,
+        WireInput,
+    },
 };
 use crate::error::LinkError;
 
@@ -101,13 +104,13 @@ impl ListenerConfig {
 /// An event of a socket.
 pub enum Event {
     /// A message from a peer.
-    Message(PeerId, Received),
+    Message(PeerId, ReceivedMessage),
     /// The peer has disconnected, or was disconnected.
     Disconnected(PeerId),
 }
 
 /// Callback for the events of a socket.
-type Sink = Arc<dyn Fn(Event) + Send + Sync>;
+type EventCallback = Arc<dyn Fn(Event) + Send + Sync>;
 
 /// Time-out of a handshake.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(2);
@@ -130,7 +133,7 @@ const ACCEPT_BACKLOG: u32 = 1024;
 /// A listening socket. Dropping it closes the socket.
 pub struct Listener {
     address: String,
-    shared: Arc<Shared>,
+    shared: Arc<ListenerState>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -156,11 +159,11 @@ impl Listener {
         };
         let address = format!("tcp://{}", listener.local_addr().map_err(to_error)?);
         let name = config.name;
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(ListenerState {
             kind: config.kind,
             backlog: config.backlog,
             is_urgent: config.is_urgent,
-            places: Places::new(places),
+            places: ConnectionSlots::new(places),
             // Handshakes and established connections have `places` each.
             descriptors: Arc::new(Semaphore::new(2 * places + CLOSING)),
             wire: WireConfig {
@@ -233,16 +236,16 @@ fn bind(address: SocketAddr) -> io::Result<TcpListener> {
     socket.listen(ACCEPT_BACKLOG)
 }
 
-struct Shared {
+struct ListenerState {
     kind: SocketKind,
     backlog: usize,
     is_urgent: fn(&[Bytes]) -> bool,
     /// Slots for handshakes, and the same number for established connections.
-    places: Places,
+    places: ConnectionSlots,
     /// Permits for open connections, including connections that are being closed.
     descriptors: Arc<Semaphore>,
     wire: WireConfig,
-    sink: Sink,
+    sink: EventCallback,
     peers: Mutex<Peers>,
     shutdown: Notify,
 }
@@ -266,7 +269,7 @@ struct Outgoing {
 
 impl Peers {
     /// Makes room for a new handshake or established connection, evicting another one if necessary.
-    fn make_room(&mut self, places: &Places, is_handshake: bool, newcomer: &Holder) {
+    fn make_room(&mut self, places: &ConnectionSlots, is_handshake: bool, newcomer: &Holder) {
         let occupants = self.connected.iter().map(|(id, peer)| (*id, &peer.occupant));
         let rivals = occupants.filter(|(_, it)| it.activity.stage.is_handshake() == is_handshake);
         let Some(victim) = places.victim(rivals, newcomer) else { return };
@@ -277,7 +280,7 @@ impl Peers {
     }
 }
 
-impl Shared {
+impl ListenerState {
     fn peers(&self) -> MutexGuard<'_, Peers> {
         // A panic does not leave the table inconsistent.
         self.peers.lock().unwrap_or_else(PoisonError::into_inner)
@@ -293,9 +296,9 @@ impl Shared {
     /// Updates the stage of a handshake.
     fn advance(&self, id: PeerId, step: HandshakeStep) {
         let stage = match step {
-            HandshakeStep::Greeting => Stage::Greeting,
-            HandshakeStep::Greeted => Stage::Greeted,
-            HandshakeStep::Introduced => Stage::Introduced,
+            HandshakeStep::Greeting => ConnectionStage::Greeting,
+            HandshakeStep::Greeted => ConnectionStage::Greeted,
+            HandshakeStep::Introduced => ConnectionStage::Introduced,
         };
         // Steps are reported for each read: single bytes within a step do not count as activity.
         if let Some(peer) = self.peers().connected.get_mut(&id)
@@ -317,14 +320,14 @@ impl Shared {
         // Still at the stage of a handshake, so that the connection cannot evict itself.
         peers.make_room(&self.places, false, &holder);
         if let Some(peer) = peers.connected.get_mut(&id) {
-            peer.occupant.activity = Activity::now(Stage::Fresh);
+            peer.occupant.activity = Activity::now(ConnectionStage::Fresh);
         }
         true
     }
 }
 
 /// Accepts connections until the listener is dropped.
-fn run(runtime: &Runtime, shared: &Arc<Shared>, listener: &TcpListener) {
+fn run(runtime: &Runtime, shared: &Arc<ListenerState>, listener: &TcpListener) {
     let accept = async {
         // Evicted connections are closed by their tasks: the next connection is accepted
         // afterwards.
@@ -348,7 +351,7 @@ fn run(runtime: &Runtime, shared: &Arc<Shared>, listener: &TcpListener) {
 }
 
 fn accept(
-    shared: &Arc<Shared>,
+    shared: &Arc<ListenerState>,
     stream: TcpStream,
     address: IpAddr,
     descriptor: OwnedSemaphorePermit,
@@ -366,7 +369,7 @@ fn accept(
         peers.make_room(&shared.places, true, &holder);
         peers.next += 1;
         let id = peers.next;
-        let occupant = Occupant { holder, activity: Activity::now(Stage::Silent) };
+        let occupant = Occupant { holder, activity: Activity::now(ConnectionStage::Silent) };
         // Registered before its task starts: the task reports its steps to this entry.
         peers.connected.insert(id, Peer { occupant, inbox, task: None });
         id
@@ -386,7 +389,7 @@ fn accept(
 /// Unregisters a connection when it is dropped.
 struct ConnectionGuard {
     id: PeerId,
-    shared: Arc<Shared>,
+    shared: Arc<ListenerState>,
     /// `true` if the handshake is complete.
     established: bool,
     /// Returned when the connection is closed.
@@ -408,23 +411,23 @@ async fn serve(
     mut guard: ConnectionGuard,
     stream: TcpStream,
     mut outgoing: mpsc::Receiver<Outgoing>,
-) -> Result<(), WireError> {
+) -> Result<(), ConnectionEnd> {
     let shared = guard.shared.clone();
     let (mut wire, key) = timeout(HANDSHAKE_TIMEOUT, async {
         // A peer that sends nothing does not receive protocol state.
         stream.readable().await?;
-        let mut wire = Wire::new(stream, shared.wire.clone());
+        let mut wire = WireConnection::new(stream, shared.wire.clone());
         let key = wire.shake_hands(|step| shared.advance(guard.id, step)).await?;
-        Ok::<_, WireError>((wire, key))
+        Ok::<_, ConnectionEnd>((wire, key))
     })
     .await
-    .map_err(|_| WireError::Stalled(HANDSHAKE_TIMEOUT))??;
+    .map_err(|_| ConnectionEnd::Stalled(HANDSHAKE_TIMEOUT))??;
     if !shared.establish(guard.id, key) {
         return Ok(());
     }
     guard.established = true;
     let mut topics = Subscriptions::default();
-    let mut activity = Activity::now(Stage::Fresh);
+    let mut activity = Activity::now(ConnectionStage::Fresh);
     // `true` if one of the pending requests is urgent.
     let mut urgent = false;
     // Dropped once all output is sent.
@@ -433,9 +436,9 @@ async fn serve(
         // Replies do not name their requests: urgency ends when no request is pending.
         urgent &= activity.pending > 0;
         if activity.pending > 0 {
-            activity.stage = if urgent { Stage::Urgent } else { Stage::Busy };
-        } else if activity.stage > Stage::Idle {
-            activity.stage = Stage::Idle;
+            activity.stage = if urgent { ConnectionStage::Urgent } else { ConnectionStage::Busy };
+        } else if activity.stage > ConnectionStage::Idle {
+            activity.stage = ConnectionStage::Idle;
         }
         shared.update(guard.id, activity);
         while wire.has_output() {
@@ -443,9 +446,9 @@ async fn serve(
             if let Ok(sent) = timeout(STALL_GRACE, wire.send_some()).await {
                 sent?;
             } else {
-                shared.update(guard.id, Activity { stage: Stage::Stalled, ..activity });
+                shared.update(guard.id, Activity { stage: ConnectionStage::Stalled, ..activity });
                 let sent = timeout(STALL_TIMEOUT, wire.send_some()).await;
-                sent.map_err(|_| WireError::Stalled(STALL_TIMEOUT))??;
+                sent.map_err(|_| ConnectionEnd::Stalled(STALL_TIMEOUT))??;
             }
         }
         holds.clear();
@@ -464,22 +467,22 @@ async fn serve(
             }
             // Beyond the quota, requests remain in the system's buffers, which block the peer.
             incoming = wire.receive(), if activity.pending < REQUEST_QUOTA => match incoming? {
-                Incoming::Message(received) => {
+                WireInput::Message(received) => {
                     let pending = activity.pending + usize::from(shared.kind.replies());
-                    activity = Activity { pending, ..Activity::now(Stage::Idle) };
+                    activity = Activity { pending, ..Activity::now(ConnectionStage::Idle) };
                     urgent |= (shared.is_urgent)(&received.frames);
                     (shared.sink)(Event::Message(guard.id, received));
                 }
-                Incoming::Subscribe(topic) if !topics.add(&topic) => {
+                WireInput::Subscribe(topic) if !topics.add(&topic) => {
                     tracing::warn!("a subscriber with too many topics is disconnected");
                     return Ok(());
                 }
                 // Further subscriptions do not extend the activity.
-                Incoming::Subscribe(_) if activity.stage == Stage::Fresh => {
-                    activity = Activity::now(Stage::Idle);
+                WireInput::Subscribe(_) if activity.stage == ConnectionStage::Fresh => {
+                    activity = Activity::now(ConnectionStage::Idle);
                 }
-                Incoming::Subscribe(_) => {}
-                Incoming::Cancel(topic) => topics.remove(&topic),
+                WireInput::Subscribe(_) => {}
+                WireInput::Cancel(topic) => topics.remove(&topic),
             },
         }
     }

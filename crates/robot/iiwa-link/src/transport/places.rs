@@ -10,14 +10,14 @@
 //!    holder of the new connection has exhausted its quota, it loses a connection; the remaining
 //!    slots are reserved for other holders. If all slots are occupied, the holder with the most
 //!    connections loses one, the new connection included in the count.
-//! 2. **Stage.** The connections of that holder are ordered by their [`Stage`]. The lowest stage
-//!    with more than its share, a quarter of the connections, loses one. So progress protects a
-//!    connection; and connections parked at a high stage cannot reduce the slots of new connections
-//!    below the share.
+//! 2. **Stage.** The connections of that holder are ordered by their [`ConnectionStage`]. The
+//!    lowest stage with more than its share, a quarter of the connections, loses one. So progress
+//!    protects a connection; and connections parked at a high stage cannot reduce the slots of new
+//!    connections below the share.
 //! 3. **Activity.** Within a stage, the least recently active connection is evicted: a new
 //!    connection passes each stage unless a share of newer ones overtakes it. Within
-//!    [`Stage::Busy`], connections with the most pending requests are evicted first, starting with
-//!    the most recently active, because they lose least.
+//!    [`ConnectionStage::Busy`], connections with the most pending requests are evicted first,
+//!    starting with the most recently active, because they lose least.
 
 use std::{
     cmp::{Ordering, Reverse},
@@ -56,7 +56,7 @@ impl Holder {
 
 /// Stage of a connection. Lower stages are evicted first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Stage {
+pub(super) enum ConnectionStage {
     /// Nothing has been received yet.
     Silent,
     /// A part of the greeting was received.
@@ -77,7 +77,7 @@ pub(super) enum Stage {
     Urgent,
 }
 
-impl Stage {
+impl ConnectionStage {
     /// Returns true if the handshake is incomplete.
     pub(super) fn is_handshake(self) -> bool {
         self < Self::Stalled
@@ -87,7 +87,7 @@ impl Stage {
 /// Progress of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Activity {
-    pub(super) stage: Stage,
+    pub(super) stage: ConnectionStage,
     /// Number of pending requests.
     pub(super) pending: usize,
     /// Time of the last handshake progress, request or reply.
@@ -96,7 +96,7 @@ pub(super) struct Activity {
 
 impl Activity {
     /// Records progress to a stage, now.
-    pub(super) fn now(stage: Stage) -> Self {
+    pub(super) fn now(stage: ConnectionStage) -> Self {
         Self { stage, pending: 0, since: Instant::now() }
     }
 
@@ -104,7 +104,7 @@ impl Activity {
     fn eviction_order(&self, other: &Self) -> Ordering {
         let oldest = self.since.cmp(&other.since);
         let by_pending = Reverse(self.pending).cmp(&Reverse(other.pending));
-        by_pending.then(if self.stage == Stage::Busy { oldest.reverse() } else { oldest })
+        by_pending.then(if self.stage == ConnectionStage::Busy { oldest.reverse() } else { oldest })
     }
 }
 
@@ -117,12 +117,12 @@ pub(super) struct Occupant {
 
 /// Slots of a socket, for handshakes or for established connections.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Places {
+pub(super) struct ConnectionSlots {
     total: usize,
     per_holder: usize,
 }
 
-impl Places {
+impl ConnectionSlots {
     /// Creates a number of slots, three quarters of which are available to one holder.
     pub(super) fn new(total: usize) -> Self {
         Self { total, per_holder: total - total / SHARES }
@@ -158,13 +158,14 @@ impl Places {
 }
 
 /// Returns the lowest stage with more than its share of connections.
-fn over_share(occupants: &[(PeerId, &Occupant)]) -> Option<Stage> {
-    let mut counts = BTreeMap::<Stage, usize>::new();
+fn over_share(occupants: &[(PeerId, &Occupant)]) -> Option<ConnectionStage> {
+    let mut counts = BTreeMap::<ConnectionStage, usize>::new();
     for (_, it) in occupants {
         *counts.entry(it.activity.stage).or_default() += 1;
     }
     // Peers that do not read have no share.
-    let share = |stage| if stage == Stage::Stalled { 0 } else { occupants.len() / SHARES };
+    let share =
+        |stage| if stage == ConnectionStage::Stalled { 0 } else { occupants.len() / SHARES };
     let over = counts.iter().find(|(stage, count)| **count > share(**stage));
     // If all stages have exactly their share, the lowest one loses.
     over.or(counts.first_key_value()).map(|(stage, _)| *stage)
@@ -181,7 +182,7 @@ mod tests {
     /// Connections by their identifiers.
     struct Scene {
         from: Instant,
-        places: Places,
+        places: ConnectionSlots,
         occupants: BTreeMap<PeerId, Occupant>,
     }
 
@@ -192,11 +193,11 @@ mod tests {
     impl Scene {
         fn new(total: usize) -> Self {
             let from = Instant::now();
-            Self { from, places: Places::new(total), occupants: BTreeMap::new() }
+            Self { from, places: ConnectionSlots::new(total), occupants: BTreeMap::new() }
         }
 
         /// Creates connections of one stage and holder, one second apart.
-        fn of(stage: Stage, count: u64, total: usize) -> Self {
+        fn of(stage: ConnectionStage, count: u64, total: usize) -> Self {
             let mut scene = Self::new(total);
             (0..count).for_each(|id| scene.put(id, stage, 1, 0, id));
             scene
@@ -205,7 +206,7 @@ mod tests {
         fn put(
             &mut self,
             id: PeerId,
-            stage: Stage,
+            stage: ConnectionStage,
             holder_number: u8,
             pending: usize,
             second: u64,
@@ -228,7 +229,7 @@ mod tests {
         fn admit(
             &mut self,
             id: PeerId,
-            stage: Stage,
+            stage: ConnectionStage,
             holder_number: u8,
             second: u64,
         ) -> Option<PeerId> {
@@ -243,34 +244,38 @@ mod tests {
 
     #[test]
     fn the_smallest_progress_is_evicted_first() {
-        let mut scene = Scene::of(Stage::Introduced, 40, 64);
-        for (i, stage) in [Stage::Silent, Stage::Greeting, Stage::Greeted].into_iter().enumerate() {
+        let mut scene = Scene::of(ConnectionStage::Introduced, 40, 64);
+        for (i, stage) in
+            [ConnectionStage::Silent, ConnectionStage::Greeting, ConnectionStage::Greeted]
+                .into_iter()
+                .enumerate()
+        {
             (0..13).for_each(|j| scene.put(100 * (i as u64 + 1) + j, stage, 1, 0, 900 + j));
         }
         // 79 handshakes: each stage has more than its share of 19, or none.
-        scene.places = Places::new(80);
+        scene.places = ConnectionSlots::new(80);
         assert_eq!(scene.victim(1), Some(0));
-        (13..30).for_each(|j| scene.put(100 + j, Stage::Silent, 1, 0, 900 + j));
+        (13..30).for_each(|j| scene.put(100 + j, ConnectionStage::Silent, 1, 0, 900 + j));
         assert_eq!(scene.victim(1), Some(100));
     }
 
     #[test]
     fn a_part_of_the_places_is_in_reserve() {
-        let mut scene = Scene::of(Stage::Busy, 47, 64);
+        let mut scene = Scene::of(ConnectionStage::Busy, 47, 64);
         assert_eq!(scene.victim(1), None);
-        scene.put(47, Stage::Idle, 1, 0, 0);
+        scene.put(47, ConnectionStage::Idle, 1, 0, 0);
         assert!(scene.victim(1).is_some());
         assert_eq!(scene.victim(2), None);
     }
 
     #[test]
     fn the_holder_with_most_connections_loses_one() {
-        let mut scene = Scene::of(Stage::Urgent, 40, 64);
-        (100..124).for_each(|id| scene.put(id, Stage::Silent, 2, 0, id));
+        let mut scene = Scene::of(ConnectionStage::Urgent, 40, 64);
+        (100..124).for_each(|id| scene.put(id, ConnectionStage::Silent, 2, 0, id));
         assert!(scene.victim(3).is_some_and(|id| id < 100));
         // The new connection counts.
-        let mut scene = Scene::of(Stage::Idle, 32, 64);
-        (100..132).for_each(|id| scene.put(id, Stage::Idle, 2, 0, id));
+        let mut scene = Scene::of(ConnectionStage::Idle, 32, 64);
+        (100..132).for_each(|id| scene.put(id, ConnectionStage::Idle, 2, 0, id));
         assert!(scene.victim(1).is_some_and(|id| id < 100));
         assert!(scene.victim(2).is_some_and(|id| id >= 100));
         // Keys have separate quotas, independent of their addresses.
@@ -285,21 +290,21 @@ mod tests {
     #[test]
     fn a_client_with_few_requests_keeps_its_place_among_pipelines() {
         let mut scene = Scene::new(64);
-        (0..48).for_each(|id| scene.put(id, Stage::Busy, 1, 8, id));
-        scene.put(20, Stage::Busy, 1, 1, 0);
-        scene.put(30, Stage::Idle, 1, 0, 0);
-        scene.put(40, Stage::Urgent, 1, 1, 0);
+        (0..48).for_each(|id| scene.put(id, ConnectionStage::Busy, 1, 8, id));
+        scene.put(20, ConnectionStage::Busy, 1, 1, 0);
+        scene.put(30, ConnectionStage::Idle, 1, 0, 0);
+        scene.put(40, ConnectionStage::Urgent, 1, 1, 0);
         for (id, second) in (100..200).zip(1000..) {
-            let victim = scene.admit(id, Stage::Busy, 1, second);
+            let victim = scene.admit(id, ConnectionStage::Busy, 1, second);
             assert!(victim.is_some_and(|id| ![20, 30, 40].contains(&id)), "{victim:?}");
-            scene.put(id, Stage::Busy, 1, 8, second);
+            scene.put(id, ConnectionStage::Busy, 1, 8, second);
         }
     }
 
     #[test]
     fn peers_that_do_not_read_are_evicted_first() {
-        let mut scene = Scene::of(Stage::Fresh, 47, 64);
-        scene.put(47, Stage::Stalled, 1, 0, 1000);
+        let mut scene = Scene::of(ConnectionStage::Fresh, 47, 64);
+        scene.put(47, ConnectionStage::Stalled, 1, 0, 1000);
         assert_eq!(scene.victim(1), Some(47));
     }
 
@@ -314,10 +319,19 @@ mod tests {
     }
 
     /// Stages of a connection in order, from its beginning to a pending stop.
-    const HANDSHAKE: [Stage; 4] =
-        [Stage::Silent, Stage::Greeting, Stage::Greeted, Stage::Introduced];
-    const ESTABLISHED: [Stage; 5] =
-        [Stage::Stalled, Stage::Fresh, Stage::Idle, Stage::Busy, Stage::Urgent];
+    const HANDSHAKE: [ConnectionStage; 4] = [
+        ConnectionStage::Silent,
+        ConnectionStage::Greeting,
+        ConnectionStage::Greeted,
+        ConnectionStage::Introduced,
+    ];
+    const ESTABLISHED: [ConnectionStage; 5] = [
+        ConnectionStage::Stalled,
+        ConnectionStage::Fresh,
+        ConnectionStage::Idle,
+        ConnectionStage::Busy,
+        ConnectionStage::Urgent,
+    ];
 
     const NEWCOMER: PeerId = 1000;
 
@@ -352,7 +366,7 @@ mod tests {
                                 && after_admission > scene.places.per_holder)
                     );
                 }
-                scene.admit(i as u64, Stage::Fresh, holder_number, i as u64);
+                scene.admit(i as u64, ConnectionStage::Fresh, holder_number, i as u64);
                 scene.put(i as u64, ESTABLISHED[stage % 5], holder_number, pending, i as u64);
                 prop_assert!(scene.occupants.len() <= total);
                 prop_assert!(
@@ -371,14 +385,14 @@ mod tests {
             parked in prop::collection::vec((any_stage(), 0..9_usize), 48),
             moves in prop::collection::vec((any::<Index>(), any_stage(), 0..9_usize), 300),
         ) {
-            let stages: &[Stage] = if is_established { &ESTABLISHED } else { &HANDSHAKE };
+            let stages: &[ConnectionStage] = if is_established { &ESTABLISHED } else { &HANDSHAKE };
             let first = stages[usize::from(is_established)];
             // Stages of a stop: neither `Stalled` nor `Busy`.
             let newcomer_stage = if is_established { [1, 2, 4][stage % 3] } else { stage % 4 };
             let mut scene = Scene::new(64);
             let put = |scene: &mut Scene, id, stage: usize, pending: usize, second| {
                 let stage = stages[stage % stages.len()];
-                let pending = if stage >= Stage::Busy { pending.max(1) } else { 0 };
+                let pending = if stage >= ConnectionStage::Busy { pending.max(1) } else { 0 };
                 scene.put(id, stage, 1, pending, second);
                 usize::from(stage == stages[newcomer_stage])
             };

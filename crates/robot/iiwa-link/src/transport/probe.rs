@@ -6,7 +6,7 @@ use tokio::{net::TcpStream, time::timeout};
 
 use super::{
     runtime::runtime,
-    wire::{Wire, WireConfig, WireError},
+    wire::{ConnectionEnd, WireConfig, WireConnection},
 };
 use crate::{
     error::LinkError,
@@ -56,10 +56,10 @@ pub(crate) fn probe(to: &Endpoint, config: &WireConfig, limit: Duration) -> Resu
             Ok(Err(error)) => return Err(unconnected(error)),
             Err(_) => return Err(ProbeError::NoAnswer),
         };
-        let mut wire = Wire::new(stream, config.clone());
+        let mut wire = WireConnection::new(stream, config.clone());
         match timeout(limit, wire.shake_hands(|_| {})).await {
             Ok(Ok(_)) => Ok(()),
-            Ok(Err(WireError::Refused(reason))) => Err(ProbeError::Refused(reason)),
+            Ok(Err(ConnectionEnd::Refused(reason))) => Err(ProbeError::Refused(reason)),
             Ok(Err(error)) => Err(ProbeError::Protocol { message: error.to_string() }),
             Err(_) => Err(ProbeError::NoHandshake),
         }

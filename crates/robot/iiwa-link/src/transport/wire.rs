@@ -43,7 +43,7 @@ pub(crate) struct WireConfig {
 
 /// Reason why a connection ended.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum WireError {
+pub(crate) enum ConnectionEnd {
     /// The other side has closed the connection.
     #[error("the connection was closed")]
     Closed,
@@ -64,7 +64,7 @@ pub(crate) enum WireError {
     Slow,
 }
 
-impl From<ProtocolError> for WireError {
+impl From<ProtocolError> for ConnectionEnd {
     fn from(error: ProtocolError) -> Self {
         match error {
             ProtocolError::HandshakeRefused(_) => Self::Refused(ConnectionRefusal::NotAllowed),
@@ -76,7 +76,7 @@ impl From<ProtocolError> for WireError {
 
 /// A received message.
 #[derive(Debug)]
-pub struct Received {
+pub struct ReceivedMessage {
     /// Frames of the message.
     pub frames: Frames,
     /// The permit of a long message: until it is dropped, no other long message is received.
@@ -87,8 +87,8 @@ pub struct Received {
 
 /// Input of a connection.
 #[derive(Debug)]
-pub(crate) enum Incoming {
-    Message(Received),
+pub(crate) enum WireInput {
+    Message(ReceivedMessage),
     /// A subscription to topics with a prefix.
     Subscribe(Bytes),
     /// The end of a subscription.
@@ -163,7 +163,7 @@ fn set_options(stream: &TcpStream) {
 }
 
 /// A connection.
-pub(crate) struct Wire {
+pub(crate) struct WireConnection {
     stream: TcpStream,
     codec: Connection,
     config: WireConfig,
@@ -180,7 +180,7 @@ pub(crate) struct Wire {
     buffer: BytesMut,
 }
 
-impl Wire {
+impl WireConnection {
     pub(crate) fn new(stream: TcpStream, config: WireConfig) -> Self {
         set_options(&stream);
         let address = stream.peer_addr().map(|peer| peer.to_string()).unwrap_or_default();
@@ -208,8 +208,8 @@ impl Wire {
     ///
     /// # Errors
     ///
-    /// Any [`WireError`].
-    pub(crate) async fn connect(to: &Endpoint, config: &WireConfig) -> Result<Self, WireError> {
+    /// Any [`ConnectionEnd`].
+    pub(crate) async fn connect(to: &Endpoint, config: &WireConfig) -> Result<Self, ConnectionEnd> {
         let stream = TcpStream::connect(to.resolve()?).await?;
         let mut wire = Self::new(stream, config.clone());
         wire.shake_hands(|_| {}).await?;
@@ -221,11 +221,11 @@ impl Wire {
     ///
     /// # Errors
     ///
-    /// Any [`WireError`]. The function must not be called again after a time-out.
+    /// Any [`ConnectionEnd`]. The function must not be called again after a time-out.
     pub(crate) async fn shake_hands(
         &mut self,
         mut report: impl FnMut(HandshakeStep),
-    ) -> Result<Option<String>, WireError> {
+    ) -> Result<Option<String>, ConnectionEnd> {
         let mut bytes = 0;
         loop {
             self.flush().await?;
@@ -237,7 +237,7 @@ impl Wire {
             }
             // The first message may have arrived together with the end of the handshake.
             if bytes > HANDSHAKE_BYTES {
-                return Err(WireError::Protocol(ProtocolError::Protocol(
+                return Err(ConnectionEnd::Protocol(ProtocolError::Protocol(
                     "the handshake is too long".into(),
                 )));
             }
@@ -245,8 +245,8 @@ impl Wire {
                 Ok(chunk) => chunk,
                 // A server closes the connection of a client with wrong keys without an error
                 // message.
-                Err(WireError::Closed) => {
-                    return Err(WireError::Refused(ConnectionRefusal::Closed));
+                Err(ConnectionEnd::Closed) => {
+                    return Err(ConnectionEnd::Refused(ConnectionRefusal::Closed));
                 }
                 Err(error) => return Err(error),
             };
@@ -272,7 +272,7 @@ impl Wire {
     }
 
     /// Compares the mechanisms of the greetings; fails if only one side has keys.
-    fn check_greeting(&mut self, chunk: &[u8]) -> Result<(), WireError> {
+    fn check_greeting(&mut self, chunk: &[u8]) -> Result<(), ConnectionEnd> {
         let missing = MECHANISM.end.saturating_sub(self.greeting.len());
         if missing == 0 {
             return Ok(());
@@ -282,15 +282,15 @@ impl Wire {
         let name = self.config.mechanism.wire_name();
         let ours = name.as_str().unwrap_or_default().as_bytes();
         let same = theirs.starts_with(ours) && theirs[ours.len()..].iter().all(|byte| *byte == 0);
-        if same { Ok(()) } else { Err(WireError::Refused(ConnectionRefusal::KeysOnOneSide)) }
+        if same { Ok(()) } else { Err(ConnectionEnd::Refused(ConnectionRefusal::KeysOnOneSide)) }
     }
 
     /// Waits for the next input. Cancellation-safe.
     ///
     /// # Errors
     ///
-    /// Any [`WireError`].
-    pub(crate) async fn receive(&mut self) -> Result<Incoming, WireError> {
+    /// Any [`ConnectionEnd`].
+    pub(crate) async fn receive(&mut self) -> Result<WireInput, ConnectionEnd> {
         loop {
             if let Some(message) = self.codec.poll_message() {
                 let frames: Frames = (0..message.len())
@@ -300,14 +300,18 @@ impl Wire {
                     return Ok(subscription);
                 }
                 let permit = self.long.take().map(|(permit, _)| permit);
-                return Ok(Incoming::Message(Received { frames, permit, began: self.began }));
+                return Ok(WireInput::Message(ReceivedMessage {
+                    frames,
+                    permit,
+                    began: self.began,
+                }));
             }
             match self.codec.poll_event() {
                 Some(Event::Command(Command::Subscribe(topic))) => {
-                    return Ok(Incoming::Subscribe(topic));
+                    return Ok(WireInput::Subscribe(topic));
                 }
                 Some(Event::Command(Command::Cancel(topic))) => {
-                    return Ok(Incoming::Cancel(topic));
+                    return Ok(WireInput::Cancel(topic));
                 }
                 Some(_) => continue,
                 None => {}
@@ -327,20 +331,20 @@ impl Wire {
     }
 
     /// Returns the subscription in a message, as sent by peers before ZMTP 3.1.
-    fn subscription(&self, frames: &[Bytes]) -> Option<Incoming> {
+    fn subscription(&self, frames: &[Bytes]) -> Option<WireInput> {
         let [frame] = frames else { return None };
         if !matches!(self.config.kind, SocketType::Pub | SocketType::XPub) {
             return None;
         }
         match frame.first()? {
-            1 => Some(Incoming::Subscribe(frame.slice(1..))),
-            0 => Some(Incoming::Cancel(frame.slice(1..))),
+            1 => Some(WireInput::Subscribe(frame.slice(1..))),
+            0 => Some(WireInput::Cancel(frame.slice(1..))),
             _ => None,
         }
     }
 
     /// Continues to read the incoming message.
-    async fn read_more(&mut self) -> Result<(), WireError> {
+    async fn read_more(&mut self) -> Result<(), ConnectionEnd> {
         if self.meter.announced() <= SHORT_BYTES as u64 {
             let chunk = self.read().await?;
             if self.meter.announced() == 0 {
@@ -353,17 +357,21 @@ impl Wire {
             && let Some(long) = &self.config.long
         {
             // The system's buffers block the sender until the permit is acquired.
-            let permit = long.clone().acquire_owned().await.map_err(|_| WireError::Closed)?;
+            let permit = long.clone().acquire_owned().await.map_err(|_| ConnectionEnd::Closed)?;
             self.long = Some((permit, Arrival { since: Instant::now(), bytes: 0 }));
         }
         let patience = self.long.as_ref().map_or(MAX_PAUSE, |(_, it)| it.patience(Instant::now()));
         timeout(patience, self.read_long()).await.map_err(|_| {
             // Only the minimum rate shortens the time-out.
-            if patience < MAX_PAUSE { WireError::Slow } else { WireError::Stalled(MAX_PAUSE) }
+            if patience < MAX_PAUSE {
+                ConnectionEnd::Slow
+            } else {
+                ConnectionEnd::Stalled(MAX_PAUSE)
+            }
         })?
     }
 
-    async fn read_long(&mut self) -> Result<(), WireError> {
+    async fn read_long(&mut self) -> Result<(), ConnectionEnd> {
         self.begin_payload()?;
         if self.payload.is_none() {
             let chunk = self.read().await?;
@@ -383,7 +391,7 @@ impl Wire {
     }
 
     /// Allocates the payload of a long frame, which is read without copying.
-    fn begin_payload(&mut self) -> Result<(), WireError> {
+    fn begin_payload(&mut self) -> Result<(), ConnectionEnd> {
         if self.payload.is_some() {
             return Ok(());
         }
@@ -398,12 +406,12 @@ impl Wire {
         Ok(())
     }
 
-    async fn read_payload(&mut self) -> Result<(), WireError> {
+    async fn read_payload(&mut self) -> Result<(), ConnectionEnd> {
         let Some((payload, filled)) = &mut self.payload else { return Ok(()) };
         while *filled < payload.len() {
             self.stream.readable().await?;
             match self.stream.try_read(&mut payload[*filled..]) {
-                Ok(0) => return Err(WireError::Closed),
+                Ok(0) => return Err(ConnectionEnd::Closed),
                 Ok(count) => {
                     self.meter.read(&payload[*filled..*filled + count]);
                     if let Some((_, arrival)) = &mut self.long {
@@ -420,12 +428,12 @@ impl Wire {
     }
 
     /// Reads the available bytes.
-    async fn read(&mut self) -> Result<Bytes, WireError> {
+    async fn read(&mut self) -> Result<Bytes, ConnectionEnd> {
         loop {
             self.stream.readable().await?;
             self.buffer.reserve(4 << 10);
             match self.stream.try_read_buf(&mut self.buffer) {
-                Ok(0) => return Err(WireError::Closed),
+                Ok(0) => return Err(ConnectionEnd::Closed),
                 Ok(_) => return Ok(self.buffer.split().freeze()),
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
                 Err(error) => return Err(error.into()),
@@ -438,7 +446,7 @@ impl Wire {
     /// # Errors
     ///
     /// The handshake is not complete.
-    pub(crate) fn queue(&mut self, frames: &[Bytes]) -> Result<(), WireError> {
+    pub(crate) fn queue(&mut self, frames: &[Bytes]) -> Result<(), ConnectionEnd> {
         Ok(self.codec.send_message(&Message::multipart(frames.iter().cloned()))?)
     }
 
@@ -447,7 +455,7 @@ impl Wire {
     /// # Errors
     ///
     /// The handshake is not complete.
-    pub(crate) fn subscribe(&mut self, topic: &'static str) -> Result<(), WireError> {
+    pub(crate) fn subscribe(&mut self, topic: &'static str) -> Result<(), ConnectionEnd> {
         Ok(self.codec.send_command(&Command::Subscribe(Bytes::from_static(topic.as_bytes())))?)
     }
 
@@ -461,7 +469,7 @@ impl Wire {
     /// # Errors
     ///
     /// The connection is lost.
-    pub(crate) async fn flush(&mut self) -> Result<(), WireError> {
+    pub(crate) async fn flush(&mut self) -> Result<(), ConnectionEnd> {
         while self.codec.has_pending_transmit() {
             self.send_some().await?;
         }
@@ -473,7 +481,7 @@ impl Wire {
     /// # Errors
     ///
     /// The connection is lost.
-    pub(crate) async fn send_some(&mut self) -> Result<(), WireError> {
+    pub(crate) async fn send_some(&mut self) -> Result<(), ConnectionEnd> {
         self.stream.writable().await?;
         let result = self.stream.try_write_vectored(&self.codec.transmit_chunks_capped(64));
         match result {

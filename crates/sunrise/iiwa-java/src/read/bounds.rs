@@ -1,12 +1,12 @@
 //! Bounds for source files, which protect memory and the stack.
 //!
 //! The parser itself needs no stack for nesting. Its number of steps is bounded, and the depth of
-//! its tree is bounded before [`Reader`](super::reader::Reader) and the evaluator recurse into its
-//! levels.
+//! its tree is bounded before [`TreeReader`](super::reader::TreeReader) and the evaluator recurse
+//! into its levels.
 
 use super::{
-    fault::Fault,
-    tokens::{Kind, Tokens},
+    fault::SyntaxFault,
+    tokens::{TokenKind, Tokens},
 };
 
 /// Maximum depth of the tree. Each bracket, operator, statement and chained call is one or two
@@ -19,16 +19,16 @@ pub(super) const MAX_CALLS_PER_TOKEN: usize = 10;
 
 /// Checks that the brackets of a file match: the parser reports this error, too, but far after the
 /// missing bracket.
-pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), Fault> {
+pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), SyntaxFault> {
     let mut open = Vec::new();
     for index in 0..tokens.list.len() {
         match tokens.kind(index) {
-            Some(Kind::Open) => open.push(index),
-            Some(Kind::Close) => {
+            Some(TokenKind::Open) => open.push(index),
+            Some(TokenKind::Close) => {
                 let text = tokens.text(index);
                 let Some(opened) = open.pop() else {
                     let message = format!("`{text}` closes nothing");
-                    return Err(Fault::syntax(tokens.start(index), message));
+                    return Err(SyntaxFault::syntax(tokens.start(index), message));
                 };
                 let expected = closing(tokens.text(opened));
                 if expected != text {
@@ -37,7 +37,7 @@ pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), Fault> {
                         "`{expected}` is expected, which closes the `{opened}` of line {line}, not \
                          `{text}`"
                     );
-                    return Err(Fault::syntax(tokens.start(index), message));
+                    return Err(SyntaxFault::syntax(tokens.start(index), message));
                 }
             }
             _ => {}
@@ -48,7 +48,7 @@ pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), Fault> {
             let opened = tokens.text(index);
             let message =
                 format!("this `{opened}` is not closed: `{}` is expected", closing(opened));
-            Err(Fault::syntax(tokens.start(index), message))
+            Err(SyntaxFault::syntax(tokens.start(index), message))
         }
         None => Ok(()),
     }
@@ -79,8 +79,8 @@ fn open_bracket(tokens: &Tokens<'_>, before: usize) -> Option<usize> {
     let mut open = Vec::new();
     for index in 0..before {
         match tokens.kind(index) {
-            Some(Kind::Open) => open.push(index),
-            Some(Kind::Close) => {
+            Some(TokenKind::Open) => open.push(index),
+            Some(TokenKind::Close) => {
                 open.pop();
             }
             _ => {}

@@ -3,24 +3,24 @@
 use std::sync::Arc;
 
 use super::{
-    fault::Fault,
-    reader::{Reader, brackets, child_of_kind, children, is_annotation, named},
-    tree::Node,
+    fault::SyntaxFault,
+    reader::{TreeReader, brackets, child_of_kind, children, is_annotation, named},
+    tree::SyntaxNode,
 };
 use crate::syntax::{
-    Annotation, Class, ClassKind, Constant, Expression, ExpressionKind, Field, Import, Literal,
-    Member, Method, Parameter, Statement, StatementKind, TypeName, Unit,
+    Annotation, Class, ClassKind, CompilationUnit, Constant, Expression, ExpressionKind, Field,
+    ImportDeclaration, Literal, Member, Method, Parameter, Statement, StatementKind, TypeName,
 };
 
-impl Reader<'_> {
-    pub(super) fn unit(&self, program: Node<'_>) -> Result<Unit, Fault> {
-        let mut read = Unit::default();
+impl TreeReader<'_> {
+    pub(super) fn unit(&self, program: SyntaxNode<'_>) -> Result<CompilationUnit, SyntaxFault> {
+        let mut read = CompilationUnit::default();
         let mut is_within_head = true;
         for node in children(program) {
             match node.kind() {
                 "package_declaration" | "import_declaration" if !is_within_head => {
                     let message = "`package` and `import` are expected before all classes";
-                    return Err(Fault::syntax(node.start(), message));
+                    return Err(SyntaxFault::syntax(node.start(), message));
                 }
                 "package_declaration" => {
                     let name = named(node).into_iter().find(|node| !is_annotation(*node));
@@ -35,16 +35,16 @@ impl Reader<'_> {
                 }
                 _ => {
                     let message = "a class is expected: what is here is outside of any";
-                    return Err(Fault::syntax(node.start(), message));
+                    return Err(SyntaxFault::syntax(node.start(), message));
                 }
             }
         }
         Ok(read)
     }
 
-    fn import(&self, node: Node<'_>) -> Result<Import, Fault> {
+    fn import(&self, node: SyntaxNode<'_>) -> Result<ImportDeclaration, SyntaxFault> {
         let path = named(node).into_iter().next().ok_or_else(|| self.misread(node))?;
-        Ok(Import {
+        Ok(ImportDeclaration {
             path: self.path(path)?,
             is_static: child_of_kind(node, "static").is_some(),
             is_all: child_of_kind(node, "asterisk").is_some(),
@@ -52,7 +52,7 @@ impl Reader<'_> {
     }
 
     /// Reads a class; `None` for an annotation type, which has no code.
-    pub(super) fn class(&self, node: Node<'_>) -> Result<Option<Arc<Class>>, Fault> {
+    pub(super) fn class(&self, node: SyntaxNode<'_>) -> Result<Option<Arc<Class>>, SyntaxFault> {
         let kind = match node.kind() {
             "class_declaration" => ClassKind::Class,
             "interface_declaration" => ClassKind::Interface,
@@ -87,10 +87,10 @@ impl Reader<'_> {
     /// implements the class above.
     pub(super) fn unnamed_class(
         &self,
-        place: Node<'_>,
+        place: SyntaxNode<'_>,
         above: TypeName,
-        body: Node<'_>,
-    ) -> Result<Arc<Class>, Fault> {
+        body: SyntaxNode<'_>,
+    ) -> Result<Arc<Class>, SyntaxFault> {
         let mut read = empty_class(String::new(), ClassKind::Class);
         read.extends = Some(above);
         read.line = self.line(place);
@@ -100,7 +100,12 @@ impl Reader<'_> {
 
     /// Expands a record to a class: a field and a method for each component, and a canonical
     /// constructor.
-    fn record(&self, class: &mut Class, written: Node<'_>, body: Node<'_>) -> Result<(), Fault> {
+    fn record(
+        &self,
+        class: &mut Class,
+        written: SyntaxNode<'_>,
+        body: SyntaxNode<'_>,
+    ) -> Result<(), SyntaxFault> {
         let (components, is_variadic) = self.parameters(written)?;
         for component in &components {
             class.members.push(Member::Field(Field {
@@ -178,7 +183,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn members(&self, class: &mut Class, body: Node<'_>) -> Result<(), Fault> {
+    fn members(&self, class: &mut Class, body: SyntaxNode<'_>) -> Result<(), SyntaxFault> {
         for member in children(body) {
             match member.kind() {
                 "{" | "}" | "," | ";" => {}
@@ -209,7 +214,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn constant(&self, class: &str, node: Node<'_>) -> Result<Constant, Fault> {
+    fn constant(&self, class: &str, node: SyntaxNode<'_>) -> Result<Constant, SyntaxFault> {
         let name = self.field(node, "name")?;
         let arguments = node.field("arguments");
         let body = node.field("body");
@@ -224,7 +229,7 @@ impl Reader<'_> {
         })
     }
 
-    fn fields(&self, class: &mut Class, node: Node<'_>) -> Result<(), Fault> {
+    fn fields(&self, class: &mut Class, node: SyntaxNode<'_>) -> Result<(), SyntaxFault> {
         let is_static = class.kind == ClassKind::Interface || has_modifier(node, "static");
         let type_name = self.type_name(self.field(node, "type")?)?;
         for declarator in node.fields("declarator") {
@@ -241,7 +246,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn method(&self, node: Node<'_>) -> Result<Method, Fault> {
+    fn method(&self, node: SyntaxNode<'_>) -> Result<Method, SyntaxFault> {
         let name = self.field(node, "name")?;
         let (parameters, is_variadic) = self.parameters(self.field(node, "parameters")?)?;
         let mut returns = self.type_name(self.field(node, "type")?)?;
@@ -261,12 +266,12 @@ impl Reader<'_> {
         })
     }
 
-    fn constructor(&self, class: &str, node: Node<'_>) -> Result<Method, Fault> {
+    fn constructor(&self, class: &str, node: SyntaxNode<'_>) -> Result<Method, SyntaxFault> {
         let written = self.field(node, "name")?;
         let name = self.name(written)?;
         if name != class {
             let message = format!("`{name}` lacks the type that it returns, or `void`");
-            return Err(Fault::syntax(written.start(), message));
+            return Err(SyntaxFault::syntax(written.start(), message));
         }
         let (parameters, is_variadic) = self.parameters(self.field(node, "parameters")?)?;
         let mut body = Vec::new();
@@ -289,7 +294,7 @@ impl Reader<'_> {
         })
     }
 
-    fn constructor_call(&self, node: Node<'_>) -> Result<Statement, Fault> {
+    fn constructor_call(&self, node: SyntaxNode<'_>) -> Result<Statement, SyntaxFault> {
         let constructor = self.field(node, "constructor")?;
         let arguments = named(self.field(node, "arguments")?);
         let kind = if node.field("object").is_some() {
@@ -304,13 +309,16 @@ impl Reader<'_> {
     }
 
     /// Reads the parameters; returns true as well if the last one has variable arity.
-    pub(super) fn parameters(&self, node: Node<'_>) -> Result<(Vec<Parameter>, bool), Fault> {
+    pub(super) fn parameters(
+        &self,
+        node: SyntaxNode<'_>,
+    ) -> Result<(Vec<Parameter>, bool), SyntaxFault> {
         let mut parameters = Vec::new();
         let mut is_variadic = false;
         for written in named(node) {
             if is_variadic {
                 let message = "a parameter with `...` is expected to be the last";
-                return Err(Fault::syntax(written.start(), message));
+                return Err(SyntaxFault::syntax(written.start(), message));
             }
             match written.kind() {
                 "formal_parameter" => {
@@ -341,7 +349,7 @@ impl Reader<'_> {
         Ok((parameters, is_variadic))
     }
 
-    fn annotations(&self, node: Node<'_>) -> Result<Vec<Annotation>, Fault> {
+    fn annotations(&self, node: SyntaxNode<'_>) -> Result<Vec<Annotation>, SyntaxFault> {
         let mut read = Vec::new();
         let modifiers = child_of_kind(node, "modifiers").map_or(Vec::new(), named);
         for annotation in modifiers.into_iter().filter(|modifier| is_annotation(*modifier)) {
@@ -369,7 +377,7 @@ impl Reader<'_> {
 }
 
 /// Returns true if a node declares a class or an annotation type.
-pub(super) fn is_class(node: Node<'_>) -> bool {
+pub(super) fn is_class(node: SyntaxNode<'_>) -> bool {
     matches!(
         node.kind(),
         "class_declaration"
@@ -401,7 +409,7 @@ fn empty_class(name: String, kind: ClassKind) -> Class {
     }
 }
 
-fn has_modifier(node: Node<'_>, modifier: &str) -> bool {
+fn has_modifier(node: SyntaxNode<'_>, modifier: &str) -> bool {
     child_of_kind(node, "modifiers")
         .is_some_and(|modifiers| child_of_kind(modifiers, modifier).is_some())
 }

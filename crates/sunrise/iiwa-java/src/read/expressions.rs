@@ -3,26 +3,29 @@
 use std::sync::Arc;
 
 use super::{
-    fault::Fault,
-    reader::{Reader, brackets, child_of_kind, children, is_annotation, named},
-    tree::Node,
+    fault::SyntaxFault,
+    reader::{TreeReader, brackets, child_of_kind, children, is_annotation, named},
+    tree::SyntaxNode,
 };
 use crate::syntax::{Expression, ExpressionKind, TypeName};
 
 /// Expression with its offset in the file.
-pub(super) type Placed = (Expression, usize);
+pub(super) type PlacedExpression = (Expression, usize);
 
-impl Reader<'_> {
-    pub(super) fn expressions(&self, nodes: &[Node<'_>]) -> Result<Vec<Expression>, Fault> {
+impl TreeReader<'_> {
+    pub(super) fn expressions(
+        &self,
+        nodes: &[SyntaxNode<'_>],
+    ) -> Result<Vec<Expression>, SyntaxFault> {
         nodes.iter().map(|node| self.expression(*node)).collect()
     }
 
-    fn boxed(&self, node: Node<'_>) -> Result<Box<Expression>, Fault> {
+    fn boxed(&self, node: SyntaxNode<'_>) -> Result<Box<Expression>, SyntaxFault> {
         Ok(Box::new(self.expression(node)?))
     }
 
     /// Reads an operand.
-    pub(super) fn operand(&self, node: Node<'_>) -> Result<Placed, Fault> {
+    pub(super) fn operand(&self, node: SyntaxNode<'_>) -> Result<PlacedExpression, SyntaxFault> {
         let start = node.start();
         let kind = match node.kind() {
             "parenthesized_expression" => match named(node)[..] {
@@ -64,7 +67,7 @@ impl Reader<'_> {
         Ok((Expression { line: self.line(node), kind }, start))
     }
 
-    fn field_access(&self, node: Node<'_>) -> Result<Placed, Fault> {
+    fn field_access(&self, node: SyntaxNode<'_>) -> Result<PlacedExpression, SyntaxFault> {
         let object = self.field(node, "object")?;
         let (mut receiver, start) = self.placed(object)?;
         if let Some(above) = super_behind(node, object) {
@@ -79,14 +82,14 @@ impl Reader<'_> {
         Ok((Expression { line: self.line(field), kind }, start))
     }
 
-    fn qualified_name(&self, node: Node<'_>) -> Result<Placed, Fault> {
+    fn qualified_name(&self, node: SyntaxNode<'_>) -> Result<PlacedExpression, SyntaxFault> {
         let [object, name] = named(node)[..] else { return Err(self.misread(node)) };
         let (object, start) = self.operand(object)?;
         let kind = ExpressionKind::Field { object: Box::new(object), name: self.name(name)? };
         Ok((Expression { line: self.line(name), kind }, start))
     }
 
-    fn call(&self, node: Node<'_>) -> Result<Placed, Fault> {
+    fn call(&self, node: SyntaxNode<'_>) -> Result<PlacedExpression, SyntaxFault> {
         let written = self.field(node, "name")?;
         let (on, start) = match node.field("object") {
             Some(object) => {
@@ -105,7 +108,7 @@ impl Reader<'_> {
         Ok((Expression { line: self.line(written), kind }, start))
     }
 
-    fn new_array(&self, node: Node<'_>) -> Result<ExpressionKind, Fault> {
+    fn new_array(&self, node: SyntaxNode<'_>) -> Result<ExpressionKind, SyntaxFault> {
         let element = self.type_name(self.field(node, "type")?)?;
         let mut dimensions = element.dimensions;
         let mut lengths = Vec::new();
@@ -124,7 +127,7 @@ impl Reader<'_> {
         })
     }
 
-    fn new_object(&self, node: Node<'_>) -> Result<ExpressionKind, Fault> {
+    fn new_object(&self, node: SyntaxNode<'_>) -> Result<ExpressionKind, SyntaxFault> {
         if children(node).first().is_none_or(|first| first.kind() != "new") {
             return Ok(unsupported("an object that is made within another (`outer.new Inner()`)"));
         }
@@ -147,6 +150,6 @@ fn super_of_named_class() -> ExpressionKind {
 }
 
 /// Returns the `super` between the qualifier and the member: `Outer.super.run()`.
-fn super_behind<'n>(node: Node<'n>, object: Node<'_>) -> Option<Node<'n>> {
+fn super_behind<'n>(node: SyntaxNode<'n>, object: SyntaxNode<'_>) -> Option<SyntaxNode<'n>> {
     child_of_kind(node, "super").filter(|above| !above.is_same(object))
 }

@@ -4,12 +4,12 @@ use crate::source_error::SourceFault;
 
 /// Fault with its byte offset.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(super) struct SyntaxFault {
     pub(super) offset: usize,
     pub(super) error: SourceFault,
 }
 
-impl Fault {
+impl SyntaxFault {
     pub(super) fn syntax(offset: usize, message: impl Into<String>) -> Self {
         Self { offset, error: SourceFault::Syntax(message.into()) }
     }

@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use super::{
     expressions::unsupported,
-    fault::Fault,
-    reader::{Reader, children, named},
-    tree::Node,
+    fault::SyntaxFault,
+    reader::{TreeReader, children, named},
+    tree::SyntaxNode,
 };
 use crate::syntax::{
     Expression, ExpressionKind, Lambda, Parameter, Reference, ReferenceTarget, Statement,
     StatementKind, TypeName,
 };
 
-impl Reader<'_> {
-    pub(super) fn lambda(&self, node: Node<'_>) -> Result<Lambda, Fault> {
+impl TreeReader<'_> {
+    pub(super) fn lambda(&self, node: SyntaxNode<'_>) -> Result<Lambda, SyntaxFault> {
         let line = self.line(node);
         let parameters = self.lambda_parameters(self.field(node, "parameters")?)?;
         let written = self.field(node, "body")?;
@@ -48,8 +48,8 @@ impl Reader<'_> {
         })
     }
 
-    fn lambda_parameters(&self, node: Node<'_>) -> Result<Vec<Parameter>, Fault> {
-        let inferred = |node: Node<'_>| {
+    fn lambda_parameters(&self, node: SyntaxNode<'_>) -> Result<Vec<Parameter>, SyntaxFault> {
+        let inferred = |node: SyntaxNode<'_>| {
             Ok(Parameter { name: self.name(node)?, type_name: TypeName::new("var", 0) })
         };
         match node.kind() {
@@ -59,7 +59,7 @@ impl Reader<'_> {
         }
     }
 
-    pub(super) fn reference(&self, node: Node<'_>) -> Result<ExpressionKind, Fault> {
+    pub(super) fn reference(&self, node: SyntaxNode<'_>) -> Result<ExpressionKind, SyntaxFault> {
         let parts = children(node);
         let (Some(before), Some(last)) = (parts.first(), parts.last()) else {
             return Err(self.misread(node));
@@ -84,7 +84,7 @@ impl Reader<'_> {
     }
 
     /// Returns the names in a node, in order, without duplicates.
-    fn names(&self, node: Node<'_>) -> Vec<String> {
+    fn names(&self, node: SyntaxNode<'_>) -> Vec<String> {
         let mut names = Vec::new();
         let mut open = vec![node];
         while let Some(node) = open.pop() {
@@ -99,7 +99,7 @@ impl Reader<'_> {
     }
 
     /// Reads the type before `::new`, which the grammar may parse as a value.
-    fn type_name_of(&self, node: Node<'_>) -> Result<TypeName, Fault> {
+    fn type_name_of(&self, node: SyntaxNode<'_>) -> Result<TypeName, SyntaxFault> {
         match node.kind() {
             "field_access" => Ok(TypeName::new(self.source(node), 0)),
             _ => self.type_name(node),

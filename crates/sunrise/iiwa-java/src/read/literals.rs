@@ -1,10 +1,10 @@
 //! Literals and their values.
 
-use super::{fault::Fault, reader::Reader, tree::Node};
+use super::{fault::SyntaxFault, reader::TreeReader, tree::SyntaxNode};
 use crate::syntax::{ExpressionKind, Literal};
 
-impl Reader<'_> {
-    pub(super) fn literal(&self, node: Node<'_>) -> Result<ExpressionKind, Fault> {
+impl TreeReader<'_> {
+    pub(super) fn literal(&self, node: SyntaxNode<'_>) -> Result<ExpressionKind, SyntaxFault> {
         let written = self.source(node);
         let value = match node.kind() {
             "true" => Literal::Boolean(true),
@@ -28,9 +28,14 @@ impl Reader<'_> {
     }
 
     /// Reads an `int` or a `long`; the minimum values need the sign before them.
-    pub(super) fn integer(&self, node: Node<'_>, is_negative: bool) -> Result<Literal, Fault> {
+    pub(super) fn integer(
+        &self,
+        node: SyntaxNode<'_>,
+        is_negative: bool,
+    ) -> Result<Literal, SyntaxFault> {
         let written = self.source(node);
-        let fault = |reason: &str| Fault::syntax(node.start(), format!("{written}: {reason}"));
+        let fault =
+            |reason: &str| SyntaxFault::syntax(node.start(), format!("{written}: {reason}"));
         let digits = written.replace('_', "");
         let (digits, is_long) = match digits.strip_suffix(['l', 'L']) {
             Some(digits) => (digits, true),
@@ -67,10 +72,11 @@ impl Reader<'_> {
     }
 
     /// Reads a `float` or a `double`.
-    fn float(&self, node: Node<'_>) -> Result<Literal, Fault> {
+    fn float(&self, node: SyntaxNode<'_>) -> Result<Literal, SyntaxFault> {
         let written = self.source(node);
         let digits = written.replace('_', "");
-        let fault = |reason: &str| Fault::syntax(node.start(), format!("{written}: {reason}"));
+        let fault =
+            |reason: &str| SyntaxFault::syntax(node.start(), format!("{written}: {reason}"));
         if let Some(digits) = digits.strip_suffix(['f', 'F']) {
             let value: f32 = digits.parse().map_err(|_| fault("a number is expected"))?;
             if !value.is_finite() {
@@ -86,15 +92,18 @@ impl Reader<'_> {
         Ok(Literal::Double(value))
     }
 
-    fn character(&self, node: Node<'_>) -> Result<Literal, Fault> {
+    fn character(&self, node: SyntaxNode<'_>) -> Result<Literal, SyntaxFault> {
         match self.units(node)?[..] {
             [unit] => Ok(Literal::Char(unit)),
-            _ => Err(Fault::syntax(node.start(), "one character is expected between the quotes")),
+            _ => Err(SyntaxFault::syntax(
+                node.start(),
+                "one character is expected between the quotes",
+            )),
         }
     }
 
     /// Returns the text between quotes as UTF-16 units, as in Java.
-    fn units(&self, node: Node<'_>) -> Result<Vec<u16>, Fault> {
+    fn units(&self, node: SyntaxNode<'_>) -> Result<Vec<u16>, SyntaxFault> {
         let written = self.source(node);
         let inner = written.get(1..written.len().saturating_sub(1)).unwrap_or("");
         units(inner, |rest| node.start() + written.len() - 2 - rest)
@@ -122,7 +131,7 @@ fn unindented(block: &str) -> String {
 
 /// Converts a text to UTF-16 with its escape sequences replaced; `place` returns the file offset
 /// for the length of the remaining text.
-fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, Fault> {
+fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, SyntaxFault> {
     let mut units = Vec::with_capacity(inner.len());
     let mut rest = inner.chars();
     let mut buffer = [0; 2];
@@ -133,7 +142,7 @@ fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, Fault>
         }
         let offset = place(rest.as_str().len());
         let unknown =
-            || Fault::syntax(offset, "`\\` is followed by no character that it may escape");
+            || SyntaxFault::syntax(offset, "`\\` is followed by no character that it may escape");
         let escaped = rest.next().ok_or_else(unknown)?;
         if escaped == '\n' {
             // The line of a text block is continued.

@@ -8,18 +8,18 @@
 use std::iter::Peekable;
 
 use super::{
-    expressions::Placed,
-    fault::Fault,
-    reader::{Reader, children},
-    tree::Node,
+    expressions::PlacedExpression,
+    fault::SyntaxFault,
+    reader::{TreeReader, children},
+    tree::SyntaxNode,
 };
 use crate::syntax::{
     BinaryOperator, Expression, ExpressionKind, Literal, Pattern, TypeName, UnaryOperator,
 };
 
 /// Part of an expression, in file order.
-enum Part<'n> {
-    Operand(Node<'n>),
+enum OperandPart<'n> {
+    Operand(SyntaxNode<'n>),
     /// Unary operator, with the offset of its sign.
     Unary(UnaryOperator, usize),
     StepBefore(bool, usize),
@@ -37,14 +37,14 @@ const ASSIGNMENT: u8 = 1;
 const CONDITION: u8 = 2;
 const COMPARISON: u8 = 9;
 
-type Parts<'n> = Peekable<std::vec::IntoIter<Part<'n>>>;
+type OperandParts<'n> = Peekable<std::vec::IntoIter<OperandPart<'n>>>;
 
-impl Reader<'_> {
-    pub(super) fn expression(&self, node: Node<'_>) -> Result<Expression, Fault> {
+impl TreeReader<'_> {
+    pub(super) fn expression(&self, node: SyntaxNode<'_>) -> Result<Expression, SyntaxFault> {
         Ok(self.placed(node)?.0)
     }
 
-    pub(super) fn placed(&self, node: Node<'_>) -> Result<Placed, Fault> {
+    pub(super) fn placed(&self, node: SyntaxNode<'_>) -> Result<PlacedExpression, SyntaxFault> {
         if !has_operator(node) {
             return self.operand(node);
         }
@@ -54,32 +54,36 @@ impl Reader<'_> {
         let whole = self.ranked(&mut parts, ASSIGNMENT, node)?;
         match parts.next() {
             None => Ok(whole),
-            Some(Part::Assign(_)) => Err(no_variable(whole.1)),
+            Some(OperandPart::Assign(_)) => Err(no_variable(whole.1)),
             Some(_) => Err(self.misread(node)),
         }
     }
 
-    fn write_out<'n>(&self, node: Node<'n>, parts: &mut Vec<Part<'n>>) -> Result<(), Fault> {
+    fn write_out<'n>(
+        &self,
+        node: SyntaxNode<'n>,
+        parts: &mut Vec<OperandPart<'n>>,
+    ) -> Result<(), SyntaxFault> {
         match node.kind() {
             "binary_expression" => {
                 self.write_out(self.field(node, "left")?, parts)?;
                 let operator = self.field(node, "operator")?;
                 let operator = binary_operator(operator.kind());
-                parts.push(Part::Binary(operator.ok_or_else(|| self.misread(node))?));
+                parts.push(OperandPart::Binary(operator.ok_or_else(|| self.misread(node))?));
                 self.write_out(self.field(node, "right")?, parts)
             }
             "assignment_expression" => {
                 self.write_out(self.field(node, "left")?, parts)?;
                 let operator = self.field(node, "operator")?.kind();
                 let before = operator.strip_suffix('=').unwrap_or(operator);
-                parts.push(Part::Assign(binary_operator(before)));
+                parts.push(OperandPart::Assign(binary_operator(before)));
                 self.write_out(self.field(node, "right")?, parts)
             }
             "ternary_expression" => {
                 self.write_out(self.field(node, "condition")?, parts)?;
-                parts.push(Part::Question);
+                parts.push(OperandPart::Question);
                 self.write_out(self.field(node, "consequence")?, parts)?;
-                parts.push(Part::Colon);
+                parts.push(OperandPart::Colon);
                 self.write_out(self.field(node, "alternative")?, parts)
             }
             "instanceof_expression" => {
@@ -91,7 +95,7 @@ impl Reader<'_> {
                 } else {
                     self.pattern(self.field(node, "pattern")?)?
                 };
-                parts.push(Part::InstanceOf(pattern));
+                parts.push(OperandPart::InstanceOf(pattern));
                 Ok(())
             }
             "unary_expression" => {
@@ -101,45 +105,49 @@ impl Reader<'_> {
                     "!" => UnaryOperator::Not,
                     _ => UnaryOperator::Complement,
                 };
-                parts.push(Part::Unary(operator, node.start()));
+                parts.push(OperandPart::Unary(operator, node.start()));
                 self.write_out(self.field(node, "operand")?, parts)
             }
             "update_expression" => match children(node)[..] {
                 [step, target] if matches!(step.kind(), "++" | "--") => {
-                    parts.push(Part::StepBefore(step.kind() == "++", node.start()));
+                    parts.push(OperandPart::StepBefore(step.kind() == "++", node.start()));
                     self.write_out(target, parts)
                 }
                 [target, step] => {
                     self.write_out(target, parts)?;
-                    parts.push(Part::StepBehind(step.kind() == "++"));
+                    parts.push(OperandPart::StepBehind(step.kind() == "++"));
                     Ok(())
                 }
                 _ => Err(self.misread(node)),
             },
             "cast_expression" => self.write_out_cast(node, parts),
             _ => {
-                parts.push(Part::Operand(node));
+                parts.push(OperandPart::Operand(node));
                 Ok(())
             }
         }
     }
 
-    fn write_out_cast<'n>(&self, node: Node<'n>, parts: &mut Vec<Part<'n>>) -> Result<(), Fault> {
+    fn write_out_cast<'n>(
+        &self,
+        node: SyntaxNode<'n>,
+        parts: &mut Vec<OperandPart<'n>>,
+    ) -> Result<(), SyntaxFault> {
         let types: Vec<_> = node.fields("type").collect();
         let Some(first) = types.first() else { return Err(self.misread(node)) };
         let is_name = matches!(first.kind(), "type_identifier" | "scoped_type_identifier");
         let cast = parts.len();
         // The first type of `(A & B) value` determines the cast.
-        parts.push(Part::Cast(self.type_name(*first)?, node.start()));
+        parts.push(OperandPart::Cast(self.type_name(*first)?, node.start()));
         self.write_out(self.field(node, "value")?, parts)?;
         let sign = match parts.get(cast + 1) {
-            Some(Part::Unary(UnaryOperator::Plus, _)) => BinaryOperator::Add,
-            Some(Part::Unary(UnaryOperator::Minus, _)) => BinaryOperator::Subtract,
+            Some(OperandPart::Unary(UnaryOperator::Plus, _)) => BinaryOperator::Add,
+            Some(OperandPart::Unary(UnaryOperator::Minus, _)) => BinaryOperator::Subtract,
             _ => return Ok(()),
         };
         if is_name && types.len() == 1 {
-            parts[cast] = Part::Operand(*first);
-            parts[cast + 1] = Part::Binary(sign);
+            parts[cast] = OperandPart::Operand(*first);
+            parts[cast + 1] = OperandPart::Binary(sign);
         }
         Ok(())
     }
@@ -147,38 +155,40 @@ impl Reader<'_> {
     /// Reads an expression up to the first operator below a rank.
     fn ranked<'n>(
         &self,
-        parts: &mut Parts<'n>,
+        parts: &mut OperandParts<'n>,
         min_rank: u8,
-        node: Node<'n>,
-    ) -> Result<Placed, Fault> {
+        node: SyntaxNode<'n>,
+    ) -> Result<PlacedExpression, SyntaxFault> {
         let (mut left, start) = self.unary(parts, node)?;
         let line = self.lines.line(start);
         loop {
             let is_lambda = matches!(left.kind, ExpressionKind::Lambda(_));
-            if is_lambda && !matches!(parts.peek(), None | Some(Part::Colon)) {
+            if is_lambda && !matches!(parts.peek(), None | Some(OperandPart::Colon)) {
                 return Err(self.misread(node));
             }
             let kind = match parts.peek() {
-                Some(Part::Binary(operator)) if rank(*operator) >= min_rank => {
+                Some(OperandPart::Binary(operator)) if rank(*operator) >= min_rank => {
                     let operator = *operator;
                     parts.next();
                     let right = Box::new(self.ranked(parts, rank(operator) + 1, node)?.0);
                     ExpressionKind::Binary { operator, left: Box::new(left), right }
                 }
-                Some(Part::InstanceOf(_)) if COMPARISON >= min_rank => {
-                    let Some(Part::InstanceOf(pattern)) = parts.next() else {
+                Some(OperandPart::InstanceOf(_)) if COMPARISON >= min_rank => {
+                    let Some(OperandPart::InstanceOf(pattern)) = parts.next() else {
                         return Err(self.misread(node));
                     };
                     ExpressionKind::InstanceOf { value: Box::new(left), pattern }
                 }
-                Some(Part::Question) if CONDITION >= min_rank => {
+                Some(OperandPart::Question) if CONDITION >= min_rank => {
                     parts.next();
                     let then_value = Box::new(self.ranked(parts, ASSIGNMENT, node)?.0);
-                    let Some(Part::Colon) = parts.next() else { return Err(self.misread(node)) };
+                    let Some(OperandPart::Colon) = parts.next() else {
+                        return Err(self.misread(node));
+                    };
                     let otherwise = Box::new(self.ranked(parts, CONDITION, node)?.0);
                     ExpressionKind::Conditional { condition: Box::new(left), then_value, otherwise }
                 }
-                Some(Part::Assign(operator)) if ASSIGNMENT >= min_rank => {
+                Some(OperandPart::Assign(operator)) if ASSIGNMENT >= min_rank => {
                     let operator = *operator;
                     parts.next();
                     if !is_target(&left.kind) {
@@ -193,10 +203,14 @@ impl Reader<'_> {
         }
     }
 
-    fn unary<'n>(&self, parts: &mut Parts<'n>, node: Node<'n>) -> Result<Placed, Fault> {
+    fn unary<'n>(
+        &self,
+        parts: &mut OperandParts<'n>,
+        node: SyntaxNode<'n>,
+    ) -> Result<PlacedExpression, SyntaxFault> {
         let (start, kind) = match parts.next() {
-            Some(Part::Operand(operand)) => return self.stepped(parts, operand),
-            Some(Part::Unary(operator, start)) => {
+            Some(OperandPart::Operand(operand)) => return self.stepped(parts, operand),
+            Some(OperandPart::Unary(operator, start)) => {
                 if operator == UnaryOperator::Minus
                     && let Some(minimum) = self.least_number(parts)
                 {
@@ -206,12 +220,12 @@ impl Reader<'_> {
                     (start, ExpressionKind::Unary { operator, value })
                 }
             }
-            Some(Part::StepBefore(is_increment, start)) => {
+            Some(OperandPart::StepBefore(is_increment, start)) => {
                 let target = Box::new(self.unary(parts, node)?.0);
                 check_counted(&target.kind, start)?;
                 (start, ExpressionKind::Step { target, is_increment, is_prefix: true })
             }
-            Some(Part::Cast(type_name, start)) => {
+            Some(OperandPart::Cast(type_name, start)) => {
                 let value = Box::new(self.unary(parts, node)?.0);
                 (start, ExpressionKind::Cast { type_name, value })
             }
@@ -221,9 +235,13 @@ impl Reader<'_> {
     }
 
     /// Reads an operand with postfix `++` or `--`.
-    fn stepped<'n>(&self, parts: &mut Parts<'n>, operand: Node<'n>) -> Result<Placed, Fault> {
+    fn stepped<'n>(
+        &self,
+        parts: &mut OperandParts<'n>,
+        operand: SyntaxNode<'n>,
+    ) -> Result<PlacedExpression, SyntaxFault> {
         let (mut read, start) = self.operand(operand)?;
-        while let Some(Part::StepBehind(is_increment)) = parts.peek() {
+        while let Some(OperandPart::StepBehind(is_increment)) = parts.peek() {
             let is_increment = *is_increment;
             parts.next();
             check_counted(&read.kind, start)?;
@@ -235,8 +253,8 @@ impl Reader<'_> {
     }
 
     /// Reads the minimum `int` or `long`, whose sign is part of the number.
-    fn least_number(&self, parts: &mut Parts<'_>) -> Option<Literal> {
-        let Some(Part::Operand(operand)) = parts.peek() else { return None };
+    fn least_number(&self, parts: &mut OperandParts<'_>) -> Option<Literal> {
+        let Some(OperandPart::Operand(operand)) = parts.peek() else { return None };
         if operand.kind() != "decimal_integer_literal" {
             return None;
         }
@@ -248,7 +266,7 @@ impl Reader<'_> {
     }
 }
 
-fn has_operator(node: Node<'_>) -> bool {
+fn has_operator(node: SyntaxNode<'_>) -> bool {
     matches!(
         node.kind(),
         "binary_expression"
@@ -269,15 +287,15 @@ fn is_target(kind: &ExpressionKind) -> bool {
     )
 }
 
-fn no_variable(start: usize) -> Fault {
-    Fault::syntax(start, "only a variable can be given another value")
+fn no_variable(start: usize) -> SyntaxFault {
+    SyntaxFault::syntax(start, "only a variable can be given another value")
 }
 
-fn check_counted(kind: &ExpressionKind, start: usize) -> Result<(), Fault> {
+fn check_counted(kind: &ExpressionKind, start: usize) -> Result<(), SyntaxFault> {
     if is_target(kind) {
         return Ok(());
     }
-    Err(Fault::syntax(start, "only a variable can be counted up or down"))
+    Err(SyntaxFault::syntax(start, "only a variable can be counted up or down"))
 }
 
 fn rank(operator: BinaryOperator) -> u8 {

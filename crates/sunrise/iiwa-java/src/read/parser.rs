@@ -1,9 +1,9 @@
 //! The parser: `tree-sitter` with its Java grammar.
 //!
-//! The grammar accepts slightly more than Java, which [`Reader`](super::reader::Reader) refuses.
-//! After a syntax error the parser continues with guesses; a file with an error is therefore parsed
-//! again up to the first token without a valid interpretation, and the error lists the tokens that
-//! would be accepted there.
+//! The grammar accepts slightly more than Java, which [`TreeReader`](super::reader::TreeReader)
+//! refuses. After a syntax error the parser continues with guesses; a file with an error is
+//! therefore parsed again up to the first token without a valid interpretation, and the error lists
+//! the tokens that would be accepted there.
 
 use std::{
     collections::HashSet,
@@ -15,14 +15,18 @@ use tree_sitter::{Language, LogType, ParseOptions, ParseState, Parser, Tree};
 
 use super::{
     bounds::{self, MAX_CALLS_PER_TOKEN},
-    fault::Fault,
-    lines::Lines,
+    fault::SyntaxFault,
+    lines::LineStarts,
     tokens::Tokens,
 };
 use crate::source_error::SourceFault;
 
 /// Parses a file without syntax errors.
-pub(super) fn parse(text: &str, tokens: &Tokens<'_>, lines: &Lines<'_>) -> Result<Tree, Fault> {
+pub(super) fn parse(
+    text: &str,
+    tokens: &Tokens<'_>,
+    lines: &LineStarts<'_>,
+) -> Result<Tree, SyntaxFault> {
     let mut parser = Parser::new();
     let language = Language::new(tree_sitter_java::LANGUAGE);
     parser.set_language(&language).map_err(|error| no_result(&error.to_string()))?;
@@ -117,11 +121,11 @@ fn first_error(
     language: &Language,
     text: &str,
     tokens: &Tokens<'_>,
-    lines: &Lines<'_>,
+    lines: &LineStarts<'_>,
     max_calls: usize,
-) -> Fault {
+) -> SyntaxFault {
     let Some(stuck) = first_stuck(parser, text, max_calls) else {
-        return Fault {
+        return SyntaxFault {
             offset: 0,
             error: SourceFault::TooLong("the file takes the parser many steps"),
         };
@@ -149,8 +153,9 @@ fn first_error(
         "" => "but the file ends".to_owned(),
         text => format!("not `{}`", shortened(text)),
     };
-    let fault =
-        |expected: &str| Fault::syntax(start, format!("{expected} is expected, {found_words}"));
+    let fault = |expected: &str| {
+        SyntaxFault::syntax(start, format!("{expected} is expected, {found_words}"))
+    };
     let is_outside = !bounds::is_within_brackets(tokens, index);
     if is_outside && accepts("class", "class") {
         return fault("a class");
@@ -168,7 +173,7 @@ fn first_error(
     }
     if accepts(";", ";") && !accepts("private", "private") {
         // Reported after the previous token, because the next one may be on another line.
-        return Fault::syntax(tokens.end_before(index), "`;` is expected");
+        return SyntaxFault::syntax(tokens.end_before(index), "`;` is expected");
     }
     if accepts("private", "private") {
         return fault("a method or a field");
@@ -183,8 +188,8 @@ fn first_error(
         ["(", "{", ")", "]", ">", "case", "default", "catch", "finally", "while", "class", "}"];
     let others: Vec<_> = others.into_iter().filter(|kind| accepts(kind, kind)).collect();
     match others.split_last() {
-        None if token.is_empty() => Fault::syntax(start, "the file ends too early"),
-        None => Fault::syntax(start, format!("`{}` is not expected here", shortened(token))),
+        None if token.is_empty() => SyntaxFault::syntax(start, "the file ends too early"),
+        None => SyntaxFault::syntax(start, format!("`{}` is not expected here", shortened(token))),
         Some((last, [])) => fault(&format!("`{last}`")),
         Some((last, others)) => fault(&format!("`{}` or `{last}`", others.join("`, `"))),
     }
@@ -205,6 +210,6 @@ fn shortened(text: &str) -> String {
     }
 }
 
-fn no_result(why: &str) -> Fault {
-    Fault { offset: 0, error: SourceFault::Parser(why.to_owned()) }
+fn no_result(why: &str) -> SyntaxFault {
+    SyntaxFault { offset: 0, error: SourceFault::Parser(why.to_owned()) }
 }

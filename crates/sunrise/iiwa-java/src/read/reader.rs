@@ -1,47 +1,51 @@
 //! Conversion of the parser's tree: common parts of all node kinds.
 
-use super::{fault::Fault, lines::Lines, tree::Node};
+use super::{fault::SyntaxFault, lines::LineStarts, tree::SyntaxNode};
 use crate::syntax::{TypeName, TypeParameter};
 
 /// Reader for the parser's tree of one file.
-pub(super) struct Reader<'t> {
+pub(super) struct TreeReader<'t> {
     pub(super) text: &'t str,
-    pub(super) lines: &'t Lines<'t>,
+    pub(super) lines: &'t LineStarts<'t>,
 }
 
-impl<'t> Reader<'t> {
-    pub(super) fn line(&self, node: Node<'_>) -> u32 {
+impl<'t> TreeReader<'t> {
+    pub(super) fn line(&self, node: SyntaxNode<'_>) -> u32 {
         self.lines.line(node.start())
     }
 
     /// Returns the source text of a node.
-    pub(super) fn source(&self, node: Node<'_>) -> &'t str {
+    pub(super) fn source(&self, node: SyntaxNode<'_>) -> &'t str {
         self.text.get(node.bytes()).unwrap_or("")
     }
 
     /// Reads a name; the parser accepts keywords as names where it does not expect keywords.
-    pub(super) fn name(&self, node: Node<'_>) -> Result<String, Fault> {
+    pub(super) fn name(&self, node: SyntaxNode<'_>) -> Result<String, SyntaxFault> {
         let source = self.source(node);
         let is_name =
             matches!(node.kind(), "identifier" | "type_identifier" | "underscore_pattern");
         if is_name && !is_reserved(source) {
             return Ok(source.to_owned());
         }
-        Err(Fault::syntax(node.start(), format!("a name is expected, not `{source}`")))
+        Err(SyntaxFault::syntax(node.start(), format!("a name is expected, not `{source}`")))
     }
 
     /// Returns the child in a grammar field.
-    pub(super) fn field<'n>(&self, node: Node<'n>, field: &str) -> Result<Node<'n>, Fault> {
+    pub(super) fn field<'n>(
+        &self,
+        node: SyntaxNode<'n>,
+        field: &str,
+    ) -> Result<SyntaxNode<'n>, SyntaxFault> {
         node.field(field).ok_or_else(|| self.misread(node))
     }
 
     /// Returns the error for a grammar node that this reader does not know.
-    pub(super) fn misread(&self, node: Node<'_>) -> Fault {
+    pub(super) fn misread(&self, node: SyntaxNode<'_>) -> SyntaxFault {
         let begin = self.source(node).split_whitespace().next().unwrap_or("");
-        Fault::syntax(node.start(), format!("`{begin}` is not expected here"))
+        SyntaxFault::syntax(node.start(), format!("`{begin}` is not expected here"))
     }
 
-    pub(super) fn type_name(&self, node: Node<'_>) -> Result<TypeName, Fault> {
+    pub(super) fn type_name(&self, node: SyntaxNode<'_>) -> Result<TypeName, SyntaxFault> {
         match node.kind() {
             "integral_type" | "floating_point_type" | "boolean_type" | "void_type" => {
                 Ok(TypeName::new(self.source(node), 0))
@@ -63,7 +67,7 @@ impl<'t> Reader<'t> {
     }
 
     /// Reads the type arguments of a generic type.
-    fn type_arguments(&self, node: Node<'_>) -> Result<Vec<TypeName>, Fault> {
+    fn type_arguments(&self, node: SyntaxNode<'_>) -> Result<Vec<TypeName>, SyntaxFault> {
         let Some(list) = child_of_kind(node, "type_arguments") else { return Ok(Vec::new()) };
         let arguments: Result<Vec<_>, _> = named(list)
             .into_iter()
@@ -78,7 +82,7 @@ impl<'t> Reader<'t> {
     }
 
     /// Reads a wildcard as its upper bound.
-    fn wildcard(&self, node: Node<'_>) -> Result<TypeName, Fault> {
+    fn wildcard(&self, node: SyntaxNode<'_>) -> Result<TypeName, SyntaxFault> {
         let bound = named(node).into_iter().rfind(|node| !is_annotation(*node));
         match bound.filter(|_| child_of_kind(node, "super").is_none()) {
             Some(bound) => self.type_name(bound),
@@ -87,7 +91,10 @@ impl<'t> Reader<'t> {
     }
 
     /// Reads the type variables that a class or a method declares.
-    pub(super) fn type_parameters(&self, node: Node<'_>) -> Result<Vec<TypeParameter>, Fault> {
+    pub(super) fn type_parameters(
+        &self,
+        node: SyntaxNode<'_>,
+    ) -> Result<Vec<TypeParameter>, SyntaxFault> {
         let Some(list) = child_of_kind(node, "type_parameters") else { return Ok(Vec::new()) };
         let parameters = named(list).into_iter().filter(|node| node.kind() == "type_parameter");
         let read = parameters.map(|parameter| {
@@ -103,45 +110,50 @@ impl<'t> Reader<'t> {
     }
 
     /// Reads a dotted name, without type arguments.
-    pub(super) fn path(&self, node: Node<'_>) -> Result<String, Fault> {
+    pub(super) fn path(&self, node: SyntaxNode<'_>) -> Result<String, SyntaxFault> {
         match node.kind() {
             "scoped_identifier" | "scoped_type_identifier" | "generic_type" => {
-                let is_name =
-                    |child: &Node<'_>| !is_annotation(*child) && child.kind() != "type_arguments";
+                let is_name = |child: &SyntaxNode<'_>| {
+                    !is_annotation(*child) && child.kind() != "type_arguments"
+                };
                 let names = named(node).into_iter().filter(is_name);
-                let names: Result<Vec<String>, Fault> = names.map(|name| self.path(name)).collect();
+                let names: Result<Vec<String>, SyntaxFault> =
+                    names.map(|name| self.path(name)).collect();
                 Ok(names?.join("."))
             }
             _ => self.name(node),
         }
     }
 
-    pub(super) fn type_names(&self, nodes: &[Node<'_>]) -> Result<Vec<TypeName>, Fault> {
+    pub(super) fn type_names(
+        &self,
+        nodes: &[SyntaxNode<'_>],
+    ) -> Result<Vec<TypeName>, SyntaxFault> {
         nodes.iter().map(|node| self.type_name(*node)).collect()
     }
 }
 
 /// Returns all children.
-pub(super) fn children(node: Node<'_>) -> Vec<Node<'_>> {
+pub(super) fn children(node: SyntaxNode<'_>) -> Vec<SyntaxNode<'_>> {
     node.children().collect()
 }
 
 /// Returns the children other than symbols and keywords.
-pub(super) fn named(node: Node<'_>) -> Vec<Node<'_>> {
+pub(super) fn named(node: SyntaxNode<'_>) -> Vec<SyntaxNode<'_>> {
     node.children().filter(|child| child.is_named()).collect()
 }
 
 /// Returns the first child of a kind.
-pub(super) fn child_of_kind<'n>(node: Node<'n>, kind: &str) -> Option<Node<'n>> {
+pub(super) fn child_of_kind<'n>(node: SyntaxNode<'n>, kind: &str) -> Option<SyntaxNode<'n>> {
     node.children().find(|child| child.kind() == kind)
 }
 
 /// Returns the number of dimensions written as `[]`.
-pub(super) fn brackets(node: Node<'_>) -> usize {
+pub(super) fn brackets(node: SyntaxNode<'_>) -> usize {
     node.children().filter(|child| child.kind() == "[").count()
 }
 
-pub(super) fn is_annotation(node: Node<'_>) -> bool {
+pub(super) fn is_annotation(node: SyntaxNode<'_>) -> bool {
     matches!(node.kind(), "annotation" | "marker_annotation")
 }
 

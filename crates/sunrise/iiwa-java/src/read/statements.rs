@@ -2,32 +2,32 @@
 
 use super::{
     declarations::is_class,
-    fault::Fault,
+    fault::SyntaxFault,
     functions::is_statement_expression,
-    reader::{Reader, brackets, child_of_kind, children, named},
-    tree::Node,
+    reader::{TreeReader, brackets, child_of_kind, children, named},
+    tree::SyntaxNode,
 };
 use crate::syntax::{
-    Catch, Expression, ExpressionKind, Label, Pattern, Statement, StatementKind, SwitchGroup,
-    Variable,
+    Catch, Expression, ExpressionKind, Label, LocalVariable, Pattern, Statement, StatementKind,
+    SwitchGroup,
 };
 
-impl Reader<'_> {
-    pub(super) fn block(&self, block: Node<'_>) -> Result<Vec<Statement>, Fault> {
+impl TreeReader<'_> {
+    pub(super) fn block(&self, block: SyntaxNode<'_>) -> Result<Vec<Statement>, SyntaxFault> {
         self.statements(&children(block))
     }
 
     /// Reads statements; the nodes may include the surrounding braces and other symbols.
-    fn statements(&self, nodes: &[Node<'_>]) -> Result<Vec<Statement>, Fault> {
-        let is_statement = |node: &&Node<'_>| node.is_named() || node.kind() == ";";
+    fn statements(&self, nodes: &[SyntaxNode<'_>]) -> Result<Vec<Statement>, SyntaxFault> {
+        let is_statement = |node: &&SyntaxNode<'_>| node.is_named() || node.kind() == ";";
         nodes.iter().filter(is_statement).map(|node| self.statement(*node)).collect()
     }
 
-    fn boxed_statement(&self, node: Node<'_>) -> Result<Box<Statement>, Fault> {
+    fn boxed_statement(&self, node: SyntaxNode<'_>) -> Result<Box<Statement>, SyntaxFault> {
         Ok(Box::new(self.statement(node)?))
     }
 
-    pub(super) fn statement(&self, node: Node<'_>) -> Result<Statement, Fault> {
+    pub(super) fn statement(&self, node: SyntaxNode<'_>) -> Result<Statement, SyntaxFault> {
         let kind = match node.kind() {
             ";" => StatementKind::Empty,
             "block" => StatementKind::Block(self.block(node)?),
@@ -41,7 +41,7 @@ impl Reader<'_> {
                 let read = self.expression(expression)?;
                 if !is_statement(&read.kind) {
                     let message = "a statement is expected: this has a value, and does nothing";
-                    return Err(Fault::syntax(expression.start(), message));
+                    return Err(SyntaxFault::syntax(expression.start(), message));
                 }
                 StatementKind::Expression(read)
             }
@@ -103,14 +103,14 @@ impl Reader<'_> {
     }
 
     /// Returns the only child other than symbols and keywords.
-    pub(super) fn only<'n>(&self, node: Node<'n>) -> Result<Node<'n>, Fault> {
+    pub(super) fn only<'n>(&self, node: SyntaxNode<'n>) -> Result<SyntaxNode<'n>, SyntaxFault> {
         match named(node)[..] {
             [only] => Ok(only),
             _ => Err(self.misread(node)),
         }
     }
 
-    fn local(&self, node: Node<'_>) -> Result<Statement, Fault> {
+    fn local(&self, node: SyntaxNode<'_>) -> Result<Statement, SyntaxFault> {
         let type_name = self.type_name(self.field(node, "type")?)?;
         let mut variables = Vec::new();
         for variable in node.fields("declarator") {
@@ -121,20 +121,20 @@ impl Reader<'_> {
     }
 
     /// Reads a variable or a field, from its name on.
-    pub(super) fn variable(&self, node: Node<'_>) -> Result<Variable, Fault> {
+    pub(super) fn variable(&self, node: SyntaxNode<'_>) -> Result<LocalVariable, SyntaxFault> {
         let initial = node.field("value");
-        Ok(Variable {
+        Ok(LocalVariable {
             name: self.name(self.field(node, "name")?)?,
             dimensions: node.field("dimensions").map_or(0, brackets),
             initial: initial.map(|initial| self.expression(initial)).transpose()?,
         })
     }
 
-    fn label(&self, node: Node<'_>) -> Result<Option<String>, Fault> {
+    fn label(&self, node: SyntaxNode<'_>) -> Result<Option<String>, SyntaxFault> {
         named(node).into_iter().next().map(|label| self.name(label)).transpose()
     }
 
-    fn count(&self, node: Node<'_>) -> Result<StatementKind, Fault> {
+    fn count(&self, node: SyntaxNode<'_>) -> Result<StatementKind, SyntaxFault> {
         let mut initial = Vec::new();
         for initial_node in node.fields("init") {
             initial.push(if initial_node.kind() == "local_variable_declaration" {
@@ -158,16 +158,20 @@ impl Reader<'_> {
     /// values.
     pub(super) fn switch(
         &self,
-        node: Node<'_>,
+        node: SyntaxNode<'_>,
         has_value: bool,
-    ) -> Result<(Expression, Vec<SwitchGroup>), Fault> {
+    ) -> Result<(Expression, Vec<SwitchGroup>), SyntaxFault> {
         let value = self.expression(self.field(node, "condition")?)?;
         let groups = named(self.field(node, "body")?);
         let groups = groups.into_iter().map(|group| self.switch_group(group, has_value));
         Ok((value, groups.collect::<Result<_, _>>()?))
     }
 
-    fn switch_group(&self, node: Node<'_>, has_value: bool) -> Result<SwitchGroup, Fault> {
+    fn switch_group(
+        &self,
+        node: SyntaxNode<'_>,
+        has_value: bool,
+    ) -> Result<SwitchGroup, SyntaxFault> {
         let mut labels = Vec::new();
         let mut guard = None;
         let mut body = Vec::new();
@@ -190,7 +194,11 @@ impl Reader<'_> {
         Ok(SwitchGroup { labels, guard, body, falls_through: node.kind() != "switch_rule" })
     }
 
-    fn switch_labels(&self, node: Node<'_>, labels: &mut Vec<Label>) -> Result<(), Fault> {
+    fn switch_labels(
+        &self,
+        node: SyntaxNode<'_>,
+        labels: &mut Vec<Label>,
+    ) -> Result<(), SyntaxFault> {
         let values = named(node);
         if values.is_empty() {
             labels.push(Label::Default);
@@ -208,7 +216,7 @@ impl Reader<'_> {
     }
 
     /// Reads a pattern of `case`, or a record pattern of `instanceof`.
-    pub(super) fn pattern(&self, node: Node<'_>) -> Result<Pattern, Fault> {
+    pub(super) fn pattern(&self, node: SyntaxNode<'_>) -> Result<Pattern, SyntaxFault> {
         match (node.kind(), &named(node)[..]) {
             ("underscore_pattern", _) => Ok(Pattern::Any),
             ("record_pattern_component", [only]) => self.pattern(*only),
@@ -225,7 +233,7 @@ impl Reader<'_> {
         }
     }
 
-    fn attempt(&self, node: Node<'_>) -> Result<StatementKind, Fault> {
+    fn attempt(&self, node: SyntaxNode<'_>) -> Result<StatementKind, SyntaxFault> {
         let mut resources = Vec::new();
         let written = node.field("resources").map_or(Vec::new(), named);
         for resource in written {
@@ -233,7 +241,7 @@ impl Reader<'_> {
             let kind = match resource.field("type") {
                 Some(type_node) => {
                     let value = self.field(resource, "value")?;
-                    let variable = Variable {
+                    let variable = LocalVariable {
                         name: self.name(self.field(resource, "name")?)?,
                         dimensions: 0,
                         initial: Some(self.expression(value)?),
@@ -258,7 +266,7 @@ impl Reader<'_> {
         Ok(StatementKind::Try { resources, body, catches, finally })
     }
 
-    fn catch(&self, node: Node<'_>) -> Result<Catch, Fault> {
+    fn catch(&self, node: SyntaxNode<'_>) -> Result<Catch, SyntaxFault> {
         let parameter =
             child_of_kind(node, "catch_formal_parameter").ok_or_else(|| self.misread(node))?;
         let types = child_of_kind(parameter, "catch_type").ok_or_else(|| self.misread(node))?;
@@ -271,7 +279,7 @@ impl Reader<'_> {
 }
 
 /// Returns a label with its statement.
-fn children_of_label(node: Node<'_>) -> Option<[Node<'_>; 2]> {
+fn children_of_label(node: SyntaxNode<'_>) -> Option<[SyntaxNode<'_>; 2]> {
     let [label, _, body] = children(node)[..] else { return None };
     Some([label, body])
 }

@@ -1,6 +1,6 @@
 //! Tokens of a file, for the bounds and for syntax error messages.
 
-use super::fault::Fault;
+use super::fault::SyntaxFault;
 use crate::source_error::SourceFault;
 
 /// Maximum number of tokens; robot programs have a hundred times fewer.
@@ -13,7 +13,7 @@ const LONG_SYMBOLS: [&str; 25] = [
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum TokenKind {
     /// Name or keyword.
     Word,
     Number,
@@ -28,7 +28,7 @@ pub(super) enum Kind {
 pub(super) struct Token {
     pub(super) start: usize,
     pub(super) end: usize,
-    pub(super) kind: Kind,
+    pub(super) kind: TokenKind,
 }
 
 /// Tokens of a text, in order.
@@ -44,7 +44,7 @@ impl<'t> Tokens<'t> {
     ///
     /// If a string or a comment is not terminated, if a character is not valid in Java, or if the
     /// text has too many tokens.
-    pub(super) fn scan(text: &'t str) -> Result<Self, Fault> {
+    pub(super) fn scan(text: &'t str) -> Result<Self, SyntaxFault> {
         let mut tokens = Self { text, list: Vec::new() };
         let mut offset = 0;
         let mut comments = 0;
@@ -63,7 +63,7 @@ impl<'t> Tokens<'t> {
                 offset += length;
             }
             if tokens.list.len() + comments > MAX_TOKENS {
-                return Err(Fault {
+                return Err(SyntaxFault {
                     offset,
                     error: SourceFault::TooManyTokens { max_tokens: MAX_TOKENS },
                 });
@@ -77,7 +77,7 @@ impl<'t> Tokens<'t> {
         self.list.get(index).map_or("", |token| &self.text[token.start..token.end])
     }
 
-    pub(super) fn kind(&self, index: usize) -> Option<Kind> {
+    pub(super) fn kind(&self, index: usize) -> Option<TokenKind> {
         self.list.get(index).map(|token| token.kind)
     }
 
@@ -102,43 +102,45 @@ impl<'t> Tokens<'t> {
     }
 }
 
-fn comment(rest: &str, offset: usize) -> Result<usize, Fault> {
+fn comment(rest: &str, offset: usize) -> Result<usize, SyntaxFault> {
     if rest.starts_with("//") {
         return Ok(rest.find('\n').unwrap_or(rest.len()));
     }
     let end = rest[2..].find("*/").ok_or_else(|| {
-        Fault::syntax(offset, "this comment does not end: `*/` is expected after it")
+        SyntaxFault::syntax(offset, "this comment does not end: `*/` is expected after it")
     })?;
     Ok(end + 4)
 }
 
-fn token(rest: &str, first: char, offset: usize) -> Result<(Kind, usize), Fault> {
+fn token(rest: &str, first: char, offset: usize) -> Result<(TokenKind, usize), SyntaxFault> {
     let second = rest[first.len_utf8()..].chars().next();
     Ok(match first {
-        '"' if rest.starts_with("\"\"\"") => (Kind::Text, block(rest, offset)?),
+        '"' if rest.starts_with("\"\"\"") => (TokenKind::Text, block(rest, offset)?),
         '"' | '\'' => {
-            let kind = if first == '"' { Kind::Text } else { Kind::Char };
+            let kind = if first == '"' { TokenKind::Text } else { TokenKind::Char };
             (kind, quoted(rest, first, offset)?)
         }
-        '(' | '[' | '{' => (Kind::Open, 1),
-        ')' | ']' | '}' => (Kind::Close, 1),
-        _ if first.is_ascii_digit() => (Kind::Number, number(rest)),
-        '.' if second.is_some_and(|second| second.is_ascii_digit()) => (Kind::Number, number(rest)),
+        '(' | '[' | '{' => (TokenKind::Open, 1),
+        ')' | ']' | '}' => (TokenKind::Close, 1),
+        _ if first.is_ascii_digit() => (TokenKind::Number, number(rest)),
+        '.' if second.is_some_and(|second| second.is_ascii_digit()) => {
+            (TokenKind::Number, number(rest))
+        }
         _ if begins_word(first) => {
             let end = rest.find(|c: char| !(begins_word(c) || c.is_numeric()));
-            (Kind::Word, end.unwrap_or(rest.len()))
+            (TokenKind::Word, end.unwrap_or(rest.len()))
         }
         _ if "+-*/%&|^!~<>=?:;,.@".contains(first) => {
             let long = LONG_SYMBOLS.iter().find(|symbol| rest.starts_with(**symbol));
-            (Kind::Symbol, long.map_or(1, |symbol| symbol.len()))
+            (TokenKind::Symbol, long.map_or(1, |symbol| symbol.len()))
         }
         '\\' => {
             let message = "`\\` has a meaning within texts only; write the character that is meant";
-            return Err(Fault::syntax(offset, message));
+            return Err(SyntaxFault::syntax(offset, message));
         }
         _ => {
             let message = format!("`{}` has no meaning in Java", first.escape_debug());
-            return Err(Fault::syntax(offset, message));
+            return Err(SyntaxFault::syntax(offset, message));
         }
     })
 }
@@ -148,7 +150,7 @@ fn begins_word(character: char) -> bool {
 }
 
 /// Returns the length of a string or character literal, with its quotes.
-fn quoted(rest: &str, quote: char, offset: usize) -> Result<usize, Fault> {
+fn quoted(rest: &str, quote: char, offset: usize) -> Result<usize, SyntaxFault> {
     let mut characters = rest.char_indices().skip(1);
     while let Some((offset, character)) = characters.next() {
         match character {
@@ -160,11 +162,11 @@ fn quoted(rest: &str, quote: char, offset: usize) -> Result<usize, Fault> {
         }
     }
     let message = format!("this text does not end on its line: `{quote}` is expected");
-    Err(Fault::syntax(offset, message))
+    Err(SyntaxFault::syntax(offset, message))
 }
 
 /// Returns the length of a text block, with its quotes.
-fn block(rest: &str, offset: usize) -> Result<usize, Fault> {
+fn block(rest: &str, offset: usize) -> Result<usize, SyntaxFault> {
     let mut from = 3;
     while let Some(length) = rest[from..].find(['"', '\\']) {
         let quote = from + length;
@@ -177,7 +179,7 @@ fn block(rest: &str, offset: usize) -> Result<usize, Fault> {
             from += rest[from..].chars().next().map_or(0, char::len_utf8);
         }
     }
-    Err(Fault::syntax(offset, "this text block does not end: `\"\"\"` is expected after it"))
+    Err(SyntaxFault::syntax(offset, "this text block does not end: `\"\"\"` is expected after it"))
 }
 
 fn number(rest: &str) -> usize {

@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use tree_sitter::Tree;
 
-use super::{bounds::MAX_LEVELS, fault::Fault};
+use super::{bounds::MAX_LEVELS, fault::SyntaxFault};
 
 /// Nodes of a tree, each before its descendants.
-pub(super) struct Nodes<'t>(Vec<Entry<'t>>);
+pub(super) struct SyntaxNodes<'t>(Vec<SyntaxEntry<'t>>);
 
-struct Entry<'t> {
+struct SyntaxEntry<'t> {
     kind: &'t str,
     /// Grammar field of the node in its parent.
     field: Option<&'t str>,
@@ -22,18 +22,18 @@ struct Entry<'t> {
 
 /// Node of a tree.
 #[derive(Clone, Copy)]
-pub(super) struct Node<'n> {
-    nodes: &'n Nodes<'n>,
+pub(super) struct SyntaxNode<'n> {
+    nodes: &'n SyntaxNodes<'n>,
     number: usize,
 }
 
-impl<'t> Nodes<'t> {
+impl<'t> SyntaxNodes<'t> {
     /// Copies a tree.
     ///
     /// # Errors
     ///
     /// If the tree is too deep for code that recurses into its levels.
-    pub(super) fn of(tree: &'t Tree) -> Result<Self, Fault> {
+    pub(super) fn of(tree: &'t Tree) -> Result<Self, SyntaxFault> {
         let mut nodes = Vec::with_capacity(tree.root_node().descendant_count());
         let mut around = Vec::new();
         let mut cursor = tree.walk();
@@ -41,7 +41,7 @@ impl<'t> Nodes<'t> {
             let node = cursor.node();
             if !node.is_extra() {
                 let number = nodes.len();
-                nodes.push(Entry {
+                nodes.push(SyntaxEntry {
                     kind: node.kind(),
                     field: cursor.field_name(),
                     bytes: node.byte_range(),
@@ -52,7 +52,7 @@ impl<'t> Nodes<'t> {
                     if around.len() == MAX_LEVELS {
                         let offset = cursor.node().start_byte();
                         let message = "too many expressions and statements are within one another";
-                        return Err(Fault::too_deep(offset, message, MAX_LEVELS));
+                        return Err(SyntaxFault::too_deep(offset, message, MAX_LEVELS));
                     }
                     around.push(number);
                     continue;
@@ -71,13 +71,13 @@ impl<'t> Nodes<'t> {
     }
 
     /// Returns the root node.
-    pub(super) fn root(&self) -> Node<'_> {
-        Node { nodes: self, number: 0 }
+    pub(super) fn root(&self) -> SyntaxNode<'_> {
+        SyntaxNode { nodes: self, number: 0 }
     }
 }
 
-impl<'n> Node<'n> {
-    fn entry(self) -> &'n Entry<'n> {
+impl<'n> SyntaxNode<'n> {
+    fn entry(self) -> &'n SyntaxEntry<'n> {
         &self.nodes.0[self.number]
     }
 
@@ -98,7 +98,7 @@ impl<'n> Node<'n> {
         self.entry().bytes.start
     }
 
-    pub(super) fn is_same(self, other: Node<'_>) -> bool {
+    pub(super) fn is_same(self, other: SyntaxNode<'_>) -> bool {
         std::ptr::eq(self.nodes, other.nodes) && self.number == other.number
     }
 

@@ -12,10 +12,10 @@ mod truncated;
 use super::read;
 use crate::{
     source_error::SourceError,
-    syntax::{Expression, Member, Statement, Unit},
+    syntax::{CompilationUnit, Expression, Member, Statement},
 };
 
-fn unit(text: &str) -> Unit {
+fn unit(text: &str) -> CompilationUnit {
     read("A.java", text).unwrap_or_else(|error| panic!("{error}\n{text:.300}"))
 }
 

@@ -4,7 +4,10 @@
 
 use std::{fmt::Write as _, rc::Rc, thread};
 
-use crate::{Classes, Host, HostValue, Machine, Place, Progress, Stop, Value, read, value::Object};
+use crate::{
+    Classes, EvaluationStop, Host, HostCounts, HostValue, Machine, SourceLine, Value, read,
+    value::JavaObject,
+};
 
 /// Minimum number of snippets with a known value: most of them.
 const MIN_KNOWN: usize = 1540;
@@ -46,8 +49,8 @@ impl Host for NoHost {
         &[]
     }
 
-    fn progress(&self) -> Progress {
-        Progress::default()
+    fn progress(&self) -> HostCounts {
+        HostCounts::default()
     }
 
     fn suppose(&self, _: usize, _: Option<bool>) -> bool {
@@ -68,7 +71,7 @@ impl Host for NoHost {
         _: &Rc<dyn HostValue>,
         name: &str,
         _: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         Ok(machine.unknown(name))
     }
 
@@ -77,7 +80,7 @@ impl Host for NoHost {
         machine: &mut Machine,
         _: &Rc<dyn HostValue>,
         name: &str,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         Ok(machine.unknown(name))
     }
 
@@ -87,15 +90,20 @@ impl Host for NoHost {
         _: &str,
         _: &str,
         _: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(None)
     }
 
-    fn construct(&self, _: &mut Machine, _: &str, _: &[Value]) -> Result<Option<Value>, Stop> {
+    fn construct(
+        &self,
+        _: &mut Machine,
+        _: &str,
+        _: &[Value],
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(None)
     }
 
-    fn constant(&self, _: &mut Machine, _: &str, _: &str) -> Result<Option<Value>, Stop> {
+    fn constant(&self, _: &mut Machine, _: &str, _: &str) -> Result<Option<Value>, EvaluationStop> {
         Ok(None)
     }
 
@@ -105,28 +113,28 @@ impl Host for NoHost {
         _: &str,
         _: Option<&str>,
         _: &str,
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(None)
     }
 
     fn inherited(
         &self,
         _: &mut Machine,
-        _: &Rc<Object>,
+        _: &Rc<JavaObject>,
         _: &str,
         _: &str,
         _: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(None)
     }
 
     fn constructed(
         &self,
         _: &mut Machine,
-        _: &Rc<Object>,
+        _: &Rc<JavaObject>,
         _: &str,
         _: &[Value],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         Ok(())
     }
 
@@ -159,12 +167,12 @@ fn evaluated(source: &str) -> Result<String, String> {
     let mut classes = Classes::default();
     classes.add("S.java", &unit);
     let id = classes.by_qualified_name("S").ok_or("no class")?;
-    let place = Place { file: Rc::from("S.java"), line: 1 };
+    let place = SourceLine { file: Rc::from("S.java"), line: 1 };
     let mut machine = Machine::new(classes, Rc::new(NoHost), place);
     let (owner, method) = machine.plain_method(id, "run").ok_or("no method")?;
     let value = match machine.run(owner, None, &method, &[]) {
         Ok(value) => value,
-        Err(Stop::Thrown(thrown)) => {
+        Err(EvaluationStop::Thrown(thrown)) => {
             let class = match &thrown.value {
                 Value::Object(object) => {
                     machine.java.classes.known(object.class).class.name.clone()
@@ -173,8 +181,10 @@ fn evaluated(source: &str) -> Result<String, String> {
             };
             return Ok(format!("throws {class}"));
         }
-        Err(Stop::Refused(refusal)) => return Err(format!("refused: {}", refusal.reason)),
-        Err(Stop::Ended) => return Err("refused: a loop without an end".to_owned()),
+        Err(EvaluationStop::Refused(refusal)) => {
+            return Err(format!("refused: {}", refusal.reason));
+        }
+        Err(EvaluationStop::Ended) => return Err("refused: a loop without an end".to_owned()),
     };
     let kind = match &value {
         Value::Unknown(unknown) => return Err(format!("unknown: {}", unknown.reason)),

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use iiwa_java::{Object, Stop, Value};
+use iiwa_java::{EvaluationStop, JavaObject, Value};
 
 use crate::application::{
     arguments::robot_value,
@@ -29,11 +29,11 @@ impl Robotics<'_> {
     /// the project; `None` if the method is not modelled.
     pub(crate) fn robot_inherited(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         base: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         let inherited = object.inherited.borrow().as_ref().and_then(robot_value);
         if let Some(inherited) = inherited {
             return self.call_robot(&inherited, name, arguments).map(Some);
@@ -69,7 +69,7 @@ impl Robotics<'_> {
     }
 
     /// Returns the robot, unless the arguments name the class of another device.
-    fn device(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
+    fn device(&mut self, arguments: &[Value]) -> Result<Value, EvaluationStop> {
         let controller = RobotValue::opaque("Controller");
         self.call_robot(&controller, "getDevice", arguments)
     }
@@ -77,10 +77,10 @@ impl Robotics<'_> {
     /// Models the constructor of a superclass outside the project.
     pub(crate) fn robot_constructed(
         &mut self,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         base: &str,
         arguments: &[Value],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         let inherited = match base {
             // Call `super(controller, name)`.
             "AbstractIOGroup" => match arguments.get(1) {
@@ -108,7 +108,7 @@ impl Robotics<'_> {
         class: &str,
         named: Option<&str>,
         field: &str,
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         if let Some(service) = Self::service(class) {
             return Ok(Some(service));
         }

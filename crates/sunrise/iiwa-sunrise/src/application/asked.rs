@@ -1,7 +1,7 @@
 //! Questions of an application, in the order of their evaluation.
 
 use crate::QuestionKind;
-use iiwa_java::Place;
+use iiwa_java::SourceLine;
 
 /// One occurrence of a question.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub(crate) struct Asked {
 /// Loop that never ends with the given answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct EndlessLoop {
-    pub(crate) place: Place,
+    pub(crate) place: SourceLine,
     /// Dialogs of its last iteration.
     pub(crate) dialogs: Vec<Asked>,
 }

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::{ImportedTool, ToolFrame, ToolTemplate};
-use iiwa_java::{Place, Unknown};
+use iiwa_java::{SourceLine, Unknown};
 use iiwa_kin::Load;
 use iiwa_program::{Frame, Tool};
 
@@ -26,7 +26,7 @@ pub(crate) struct Body {
     /// Java class, if the data file states it.
     pub(crate) class: Option<String>,
     /// Place of injection, if neither the data file nor an answer describes the body.
-    pub(crate) missing: Option<Place>,
+    pub(crate) missing: Option<SourceLine>,
 }
 
 /// Frame of a tool or a workpiece.

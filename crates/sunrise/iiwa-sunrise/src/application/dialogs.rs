@@ -1,14 +1,14 @@
 //! Dialogs with the operator.
 
 use crate::{Question, QuestionKind};
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 
 use crate::application::{arguments::flattened, asked::Asked, robotics::Robotics};
 
 impl Robotics<'_> {
     /// Evaluates `displayModalDialog(type, text, buttons...)`: returns the number of the given
     /// button, or the first button.
-    pub(crate) fn answer_dialog(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
+    pub(crate) fn answer_dialog(&mut self, arguments: &[Value]) -> Result<Value, EvaluationStop> {
         let [_, text, buttons @ ..] = arguments else {
             return Ok(self.not_known("IApplicationUI.displayModalDialog"));
         };

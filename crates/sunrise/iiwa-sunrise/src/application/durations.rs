@@ -1,7 +1,7 @@
 //! Durations that the sources do not state: holds that the operator ends, grippers, platforms.
 
 use crate::{Answers, QuestionKind};
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 
 use crate::application::{motion_value::HoldTime, robotics::Robotics};
 
@@ -20,7 +20,7 @@ pub(crate) fn hold_time(seconds: f64) -> HoldTime {
 impl Robotics<'_> {
     /// Returns the given duration in s for this line; otherwise 0, with a note. `event` is a clause
     /// such as "the platform drives".
-    pub(crate) fn given_seconds(&mut self, event: &str) -> Result<f64, Stop> {
+    pub(crate) fn given_seconds(&mut self, event: &str) -> Result<f64, EvaluationStop> {
         let asked = self.place.to_string();
         // The file matches with or without its folders; the longest matching key has priority.
         let is_here = |key: &str| asked == key || asked.ends_with(&format!("/{key}"));
@@ -41,7 +41,7 @@ impl Robotics<'_> {
     }
 
     /// Waits for the time given for this line.
-    pub(crate) fn take_given_time(&mut self, event: &str) -> Result<(), Stop> {
+    pub(crate) fn take_given_time(&mut self, event: &str) -> Result<(), EvaluationStop> {
         let seconds = self.given_seconds(event)?;
         if seconds > 0.0 {
             self.wait(seconds)?;
@@ -50,7 +50,7 @@ impl Robotics<'_> {
     }
 
     /// Holds the robot's position while the program continues.
-    pub(crate) fn hold(&mut self, time: HoldTime) -> Result<(), Stop> {
+    pub(crate) fn hold(&mut self, time: HoldTime) -> Result<(), EvaluationStop> {
         let seconds = match time {
             HoldTime::Seconds(seconds) => seconds,
             HoldTime::UntilEnded => {
@@ -66,7 +66,7 @@ impl Robotics<'_> {
 
     /// Evaluates `grip` and `release` of KUKA's gripper toolbox. The result is measured, and
     /// therefore unknown.
-    pub(crate) fn grip(&mut self, name: &str) -> Result<Value, Stop> {
+    pub(crate) fn grip(&mut self, name: &str) -> Result<Value, EvaluationStop> {
         let event =
             if name.starts_with("grip") { "the gripper grips" } else { "the gripper opens" };
         self.take_given_time(event)?;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::Question;
-use iiwa_java::Place;
+use iiwa_java::SourceLine;
 use iiwa_program::{Circ, Course, Motion, Program, SegmentCourse, Target, TargetRef, Workcell};
 
 use crate::application::station::{FLANGE, FOOT, Station};
@@ -19,10 +19,10 @@ struct Used {
 impl Station {
     /// Returns the program, the place of each of its motions, and the questions. The program
     /// contains only the tools, bases and frames that its motions use.
-    pub(crate) fn finish(self) -> (Program, Vec<Place>, Vec<Question>) {
+    pub(crate) fn finish(self) -> (Program, Vec<SourceLine>, Vec<Question>) {
         let Self { schedule, workcell, robot_name, flange_m, start_rad, .. } = self;
         let (questions, first_override) = (self.questions, self.first_override);
-        let (mut motions, places): (Vec<Motion>, Vec<Place>) =
+        let (mut motions, places): (Vec<Motion>, Vec<SourceLine>) =
             schedule.finish().into_iter().unzip();
         let mut used = Used::default();
         used.tools.extend(workcell.tool.clone());

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use iiwa_java::{Stop, Unknown, Value};
+use iiwa_java::{EvaluationStop, Unknown, Value};
 use iiwa_program::Frame;
 
 use crate::application::{
@@ -45,7 +45,7 @@ impl Station {
 
 impl Robotics<'_> {
     /// Refuses a frame whose pose is unknown.
-    pub(crate) fn check_known(&self, spot: Spot) -> Result<(), Stop> {
+    pub(crate) fn check_known(&self, spot: Spot) -> Result<(), EvaluationStop> {
         if let Some(unknown) = self.station.unknown_of(spot) {
             let subject = format!("the place of {}", self.spot_name(spot));
             return self.reject_unknown(&subject, &unknown);
@@ -54,7 +54,7 @@ impl Robotics<'_> {
     }
 
     /// Refuses a tool or workpiece that neither the data file nor an answer describes.
-    pub(crate) fn check_template(&self, spot: Spot) -> Result<(), Stop> {
+    pub(crate) fn check_template(&self, spot: Spot) -> Result<(), EvaluationStop> {
         let Some(body) = spot.body().and_then(|index| self.station.bodies.get(index)) else {
             return Ok(());
         };
@@ -75,7 +75,7 @@ impl Robotics<'_> {
         spot: Spot,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let (Some(index), Some(Value::Text(frame_name))) = (spot.body(), arguments.first()) else {
             return self.reject(format!(
                 "`{name}` takes a name and a transformation, of a tool or workpiece"
@@ -115,7 +115,7 @@ impl Robotics<'_> {
     }
 
     /// Changes the transformation of an object's frame from its parent.
-    pub(crate) fn change_frame(&mut self, spot: Spot, to: &Value) -> Result<Value, Stop> {
+    pub(crate) fn change_frame(&mut self, spot: Spot, to: &Value) -> Result<Value, EvaluationStop> {
         let (frame, unknown) = match (offset_of(to), to) {
             (Some(frame), _) => (frame, None),
             (None, Value::Unknown(unknown)) => (Frame::default(), Some(Rc::clone(unknown))),
@@ -155,7 +155,11 @@ impl Robotics<'_> {
     }
 
     /// Evaluates `changeFrameTransformation(frame, transformation)` of the application data.
-    pub(crate) fn change_data_frame(&mut self, frame: &Value, to: &Value) -> Result<Value, Stop> {
+    pub(crate) fn change_data_frame(
+        &mut self,
+        frame: &Value,
+        to: &Value,
+    ) -> Result<Value, EvaluationStop> {
         match (robot_value_of(frame), frame) {
             (Some(spot), _) => self.change_frame(spot, to),
             (None, Value::Unknown(unknown)) => {

@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 use iiwa_kin::{
     Pose, Status, Turn,
     rotation::{norm, product, sub, transposed},
@@ -65,7 +65,7 @@ impl Robotics<'_> {
         this: &Rc<RefCell<FrameValue>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let changes = name.starts_with("set") || name == "transform";
         let result = self.frame_call(this, changes, name, arguments)?;
         // After an unmodelled change, the pose of a frame is unknown.
@@ -82,7 +82,7 @@ impl Robotics<'_> {
         changes: bool,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let this_frame = || robot(RobotValue::Frame(Rc::clone(this)));
         if changes && let Some(unknown) = first_unknown(arguments) {
             this.borrow_mut().unknown.get_or_insert(unknown);
@@ -168,7 +168,7 @@ impl Robotics<'_> {
         this: &Rc<RefCell<FrameValue>>,
         parent: &Value,
         keeps_place: bool,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let Some(parent) = self.parent_of(parent) else {
             return Ok(self.not_known("Frame.setParent"));
         };
@@ -191,7 +191,7 @@ impl Robotics<'_> {
         this: &FrameValue,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if let Some(unknown) = &this.unknown {
             return Ok(Value::Unknown(Rc::clone(unknown)));
         }
@@ -389,7 +389,7 @@ impl Robotics<'_> {
         this: &Rc<RefCell<RedundancyValue>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if let Some(unknown) = first_unknown(arguments) {
             return self.reject_unknown("the redundancy of a frame", &unknown);
         }

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, fmt::Write as _, rc::Rc, thread};
 use crate::{
     DataFile, ExportedProject, Project, ProjectData, Question, QuestionKind, RobotStatement,
 };
-use iiwa_java::{ClassId, Classes, Machine, Note, Place, Refusal, Stop};
+use iiwa_java::{ClassId, Classes, EvaluationStop, JavaRefusal, Machine, Note, SourceLine};
 use iiwa_kin::{Joints, Robot};
 use iiwa_program::{Motion, Program, Source};
 
@@ -129,7 +129,7 @@ fn import_here(
         answers,
         is_survey: false,
     };
-    let run = Run::new(project, name, setup.clone())?;
+    let run = EvaluatedRun::new(project, name, setup.clone())?;
     notes.extend(run.notes.iter().map(note));
     if let (Ok(()), Some(endless)) = (&run.end, &run.station.endless) {
         let ways = ways_out(project, name, &setup, endless, &run.station.answered);
@@ -154,7 +154,7 @@ fn import_here(
             Ok(Import { application, robot, statements, program, notes, questions })
         }
         Ok(()) => Err(ImportError::NoMotions { application: Box::new(application) }),
-        Err(Refusal { reason, place }) => {
+        Err(JavaRefusal { reason, place }) => {
             let missing =
                 first_missing.map_or_else(Vec::new, |first| survey(project, name, setup, first));
             let mut reason = reason;
@@ -203,7 +203,7 @@ fn survey(
     let mut missing = vec![first];
     while let Some(last) = missing.last().filter(|_| missing.len() <= MAX_SURVEYS) {
         last.add_to(&mut setup.data_file);
-        let run = Run::new(project, name, setup.clone()).ok();
+        let run = EvaluatedRun::new(project, name, setup.clone()).ok();
         match run.and_then(|run| run.station.missing.take()) {
             Some(next) if !missing.contains(&next) => missing.push(next),
             _ => break,
@@ -213,13 +213,13 @@ fn survey(
 }
 
 /// Complete evaluation of an application.
-struct Run {
-    end: Result<(), Refusal>,
+struct EvaluatedRun {
+    end: Result<(), JavaRefusal>,
     notes: Vec<Note>,
     station: Station,
 }
 
-impl Run {
+impl EvaluatedRun {
     fn new(
         project: &Project,
         name: Option<&str>,
@@ -228,17 +228,17 @@ impl Run {
         let classes = project.classes();
         let (id, application) = find(project, &classes, name)?;
         let station = Rc::new(StationHost::new(Station::new(setup)));
-        let place = Place { file: application.file.as_str().into(), line: application.line };
+        let place = SourceLine { file: application.file.as_str().into(), line: application.line };
         let mut machine = Machine::new(classes, station.clone(), place);
         // The controller calls these methods in the same order.
         let end = match machine.run_class(id, &["initialize", "run"]) {
-            Ok(()) | Err(Stop::Ended) => Ok(()),
-            Err(Stop::Refused(refusal)) => Err(*refusal),
-            Err(Stop::Thrown(thrown)) => {
+            Ok(()) | Err(EvaluationStop::Ended) => Ok(()),
+            Err(EvaluationStop::Refused(refusal)) => Err(*refusal),
+            Err(EvaluationStop::Thrown(thrown)) => {
                 let class = thrown.classes.first().map_or("Exception", |class| class);
                 let reason =
                     format!("an exception ends the application: {class}, {}", thrown.message);
-                Err(Refusal { reason, place: thrown.place.clone() })
+                Err(JavaRefusal { reason, place: thrown.place.clone() })
             }
         };
         let notes = std::mem::take(&mut machine.notes);
@@ -279,7 +279,7 @@ fn ways_out(
         let list: Vec<_> = given.iter().map(usize::to_string).collect();
         dialogs.insert(key, given);
         let setup = StationSetup { answers, ..setup.clone() };
-        let run = Run::new(project, name, setup).ok()?;
+        let run = EvaluatedRun::new(project, name, setup).ok()?;
         if run.station.endless.is_none_or(|stop| stop.place != endless.place) {
             let choice = dialog.choices.get(button).cloned().unwrap_or_default();
             ways.push(format!("{} ({choice}) to `{}`", list.join(", "), dialog.subject));
@@ -347,12 +347,12 @@ fn no_application(project: &Project) -> ImportError {
     }
 }
 
-fn with_sources(program: Program, places: &[Place]) -> Program {
+fn with_sources(program: Program, places: &[SourceLine]) -> Program {
     let sources = (0..).map(iiwa_program::MotionIndex::new).zip(places.iter().map(source));
     Program { sources: sources.collect(), ..program }
 }
 
-fn source(place: &Place) -> Source {
+fn source(place: &SourceLine) -> Source {
     Source { file: place.file.to_string(), line: place.line }
 }
 

@@ -1,7 +1,7 @@
 //! Inputs and outputs.
 
 use crate::{AnswerValue, QuestionKind};
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 
 use crate::application::{asked::Asked, robotics::Robotics};
 
@@ -12,7 +12,7 @@ impl Robotics<'_> {
         group: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match (name, arguments) {
             (
                 "addInput"
@@ -57,7 +57,7 @@ impl Robotics<'_> {
         signal: &str,
         is_output: bool,
         is_boolean: bool,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let id = format!("{group}.{signal}");
         self.station.readings += 1;
         if let Some(value) = self.station.outputs.get(&id) {

@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 use iiwa_kin::Joints;
 
 use crate::application::{
@@ -14,7 +14,7 @@ use crate::application::{
 impl Robotics<'_> {
     /// Evaluates `new JointPosition(...)`: of seven numbers, an array or another joint position, or
     /// all zero for a number of joints.
-    pub(crate) fn new_joints(&mut self, arguments: &[Value]) -> Result<Value, Stop> {
+    pub(crate) fn new_joints(&mut self, arguments: &[Value]) -> Result<Value, EvaluationStop> {
         if let Some(unknown) = first_unknown(arguments) {
             return Ok(Value::Unknown(unknown));
         }
@@ -41,7 +41,11 @@ impl Robotics<'_> {
 
     /// Evaluates `JointPosition.ofDeg(...)` and `JointPosition.ofRad(...)` of Sunrise 2, with seven
     /// numbers or an array.
-    pub(crate) fn joints_static(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    pub(crate) fn joints_static(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, EvaluationStop> {
         let add_body = self.new_joints(arguments)?;
         if name == "ofDeg"
             && let Some(RobotValue::Joints(joints)) = robot_value(&add_body)
@@ -58,7 +62,7 @@ impl Robotics<'_> {
         this: &Rc<RefCell<JointsValue>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if name == "set" {
             return self.set_joint(this, arguments);
         }
@@ -100,7 +104,7 @@ impl Robotics<'_> {
         &mut self,
         this: &Rc<RefCell<JointsValue>>,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let this_value = robot(RobotValue::Joints(Rc::clone(this)));
         if let Some(unknown) = first_unknown(arguments) {
             this.borrow_mut().unknown.get_or_insert(unknown);
@@ -128,7 +132,7 @@ impl Robotics<'_> {
     }
 
     /// Returns the index of a joint, by its number from 0 or by its constant.
-    fn joint_index(&mut self, joint: &Value) -> Result<usize, Stop> {
+    fn joint_index(&mut self, joint: &Value) -> Result<usize, EvaluationStop> {
         let index = match robot_value(joint) {
             Some(RobotValue::Constant(constant)) => Some(i64::from(constant.ordinal)),
             _ => joint.integer(),

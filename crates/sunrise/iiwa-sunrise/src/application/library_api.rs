@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use iiwa_java::{HostValue, Stop, Value};
+use iiwa_java::{EvaluationStop, HostValue, Value};
 
 use crate::application::{
     arguments::{first_unknown, numbers, robot_value},
@@ -79,7 +79,7 @@ impl Robotics<'_> {
         class: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         match (class, name, arguments) {
             ("BasicMotions" | "MMCMotions", ..) => self.new_motion(name, arguments),
             ("ThreadUtil" | "Thread", "milliSleep" | "sleep", [amount, ..]) => {
@@ -121,7 +121,7 @@ impl Robotics<'_> {
         &mut self,
         class: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         match class {
             "Frame" => return Ok(Some(self.new_frame(arguments))),
             "JointPosition" => return self.new_joints(arguments).map(Some),
@@ -164,7 +164,7 @@ impl Robotics<'_> {
         &mut self,
         class: &str,
         name: &str,
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         Ok(match (class, name) {
             ("World", "Current") => Some(robot(RobotValue::Spot(Spot::World))),
             ("Transformation", "IDENTITY") => {
@@ -182,7 +182,11 @@ impl Robotics<'_> {
 
     /// Returns a field of an API value.
     #[expect(clippy::unnecessary_wraps, reason = "so are all that the language asks for")]
-    pub(crate) fn robot_field(&mut self, receiver: &RobotValue, name: &str) -> Result<Value, Stop> {
+    pub(crate) fn robot_field(
+        &mut self,
+        receiver: &RobotValue,
+        name: &str,
+    ) -> Result<Value, EvaluationStop> {
         if let RobotValue::Constant(receiver_constant) = receiver
             && let Some(enum_constant) = EnumConstant::named(&receiver_constant.class, name)
         {

@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 use iiwa_kin::Load;
 
 use crate::application::{
@@ -77,7 +77,7 @@ impl Robotics<'_> {
         this: &LoadRef,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let mut load = self.load_in(this);
         let this_value = robot(RobotValue::Load(this.clone()));
         if name.starts_with("get") {

@@ -2,13 +2,13 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 use iiwa_kin::Joints;
 use iiwa_program::{AuxOrientation, LimitKind, OrientationType};
 
 use crate::application::{
     arguments::{first_unknown, numbers, robot_value},
-    motion_value::{MotionValue, Obstacle, Way},
+    motion_value::{MotionPath, MotionValue, PlanningObstacle},
     robot_value::{RobotValue, robot},
     robotics::Robotics,
 };
@@ -83,13 +83,13 @@ impl Robotics<'_> {
         motion: &Rc<RefCell<MotionValue>>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let this = || robot(RobotValue::Motion(Rc::clone(motion)));
         if let Some(setting) = setting(name) {
             self.set(motion, name, setting, arguments)?;
             return Ok(this());
         }
-        let is_relative = matches!(motion.borrow().way, Way::LinRel { .. });
+        let is_relative = matches!(motion.borrow().way, MotionPath::LinRel { .. });
         if is_relative && let Some(component) = offset_component(name) {
             self.set_offset(motion, name, component, arguments)?;
             return Ok(this());
@@ -127,7 +127,7 @@ impl Robotics<'_> {
                 });
                 motion.borrow_mut().settings.aux_orientation = mode;
             }
-            "addMotionOverlay" => motion.borrow_mut().obstruct(Obstacle::Refused(
+            "addMotionOverlay" => motion.borrow_mut().obstruct(PlanningObstacle::Refused(
                 "a motion with an overlay, as of FRI, cannot be planned ahead: where the arm goes \
                  is decided while it moves; plan the motion without it"
                     .to_owned(),
@@ -141,7 +141,7 @@ impl Robotics<'_> {
                     "`{name}` changes this motion, and its effect is not known: \
                     remove the call"
                 );
-                motion.borrow_mut().obstruct(Obstacle::Refused(reason));
+                motion.borrow_mut().obstruct(PlanningObstacle::Refused(reason));
             }
             name if name.starts_with("set") || name.starts_with("add") => {
                 self.note(format!("`{name}` of a motion is left out of the plan"));
@@ -157,7 +157,7 @@ impl Robotics<'_> {
         name: &str,
         setting: Setting,
         arguments: &[Value],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         if is_obstructed(motion, name, arguments) {
             return Ok(());
         }
@@ -195,7 +195,8 @@ impl Robotics<'_> {
             );
         }
         let mut motion = motion.borrow_mut();
-        let is_in_joints = matches!(motion.way, Way::Joints(_) | Way::Home | Way::Ptp(_));
+        let is_in_joints =
+            matches!(motion.way, MotionPath::Joints(_) | MotionPath::Home | MotionPath::Ptp(_));
         let settings = &mut motion.settings;
         match setting {
             Setting::Share(_) => {}
@@ -218,7 +219,7 @@ impl Robotics<'_> {
         name: &str,
         component: usize,
         arguments: &[Value],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         if is_obstructed(motion, name, arguments) {
             return Ok(());
         }
@@ -226,7 +227,7 @@ impl Robotics<'_> {
         else {
             return self.throw("IllegalArgumentException", format!("`{name}` takes a number"));
         };
-        if let Way::LinRel { offset, .. } = &mut motion.borrow_mut().way {
+        if let MotionPath::LinRel { offset, .. } = &mut motion.borrow_mut().way {
             let mut components = offset.xyz_mm.iter_mut().chain(&mut offset.abc_rad);
             if let Some(component_value) = components.nth(component) {
                 *component_value = value;
@@ -239,10 +240,10 @@ impl Robotics<'_> {
         &mut self,
         motion: &Rc<RefCell<MotionValue>>,
         arguments: &[Value],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         if let Some(unknown) = first_unknown(arguments) {
             let subject = "the type of orientation of this motion".to_owned();
-            motion.borrow_mut().obstruct(Obstacle::Unknown(subject, unknown));
+            motion.borrow_mut().obstruct(PlanningObstacle::Unknown(subject, unknown));
             return Ok(());
         }
         let law = match constant_name(arguments).as_deref() {
@@ -268,6 +269,6 @@ fn constant_name(arguments: &[Value]) -> Option<Rc<str>> {
 fn is_obstructed(motion: &Rc<RefCell<MotionValue>>, name: &str, arguments: &[Value]) -> bool {
     let Some(unknown) = first_unknown(arguments) else { return false };
     let subject = format!("the argument of `{name}` of this motion");
-    motion.borrow_mut().obstruct(Obstacle::Unknown(subject, unknown));
+    motion.borrow_mut().obstruct(PlanningObstacle::Unknown(subject, unknown));
     true
 }

@@ -11,15 +11,15 @@ use crate::application::{frame_value::FrameValue, spot::Spot};
 /// Motion that a program has created. Its setters change it, as in Java.
 #[derive(Clone, Debug)]
 pub(crate) struct MotionValue {
-    pub(crate) way: Way,
-    pub(crate) settings: Settings,
+    pub(crate) way: MotionPath,
+    pub(crate) settings: MotionSettings,
     /// Reason why the motion cannot be planned when it is sent, if any.
-    pub(crate) obstacle: Option<Obstacle>,
+    pub(crate) obstacle: Option<PlanningObstacle>,
 }
 
 /// Reason why a motion cannot be planned.
 #[derive(Clone, Debug)]
-pub(crate) enum Obstacle {
+pub(crate) enum PlanningObstacle {
     /// Name of an unknown property, such as "the joint velocity of this motion", with its unknown
     /// value.
     Unknown(String, Rc<Unknown>),
@@ -29,20 +29,20 @@ pub(crate) enum Obstacle {
 
 /// Path type and target of a motion.
 #[derive(Clone, Debug)]
-pub(crate) enum Way {
+pub(crate) enum MotionPath {
     Joints(Joints),
     Home,
-    Ptp(Goal),
-    Lin(Goal),
+    Ptp(TargetFrame),
+    Lin(TargetFrame),
     LinRel {
         offset: Frame,
-        within: Option<Goal>,
+        within: Option<TargetFrame>,
     },
     Circ {
-        aux: Goal,
-        to: Goal,
+        aux: TargetFrame,
+        to: TargetFrame,
     },
-    Spl(Goal),
+    Spl(TargetFrame),
     Spline(Vec<Rc<RefCell<MotionValue>>>),
     Batch(Vec<Rc<RefCell<MotionValue>>>),
     Hold(HoldTime),
@@ -60,14 +60,14 @@ pub(crate) enum HoldTime {
 
 /// Target frame, evaluated when the motion is sent.
 #[derive(Clone, Debug)]
-pub(crate) enum Goal {
+pub(crate) enum TargetFrame {
     Spot(Spot),
     Frame(Rc<RefCell<FrameValue>>),
 }
 
 /// Values that the setters of a motion have set.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Settings {
+pub(crate) struct MotionSettings {
     pub(crate) shares: ByKind<Option<Joints>>,
     pub(crate) tool: ToolLimits,
     pub(crate) blending: Blending,
@@ -87,7 +87,7 @@ pub(crate) struct Blending {
     pub(crate) orientation_rad: Option<f64>,
 }
 
-impl Way {
+impl MotionPath {
     /// Returns the nesting depth of batches, and the total number of motions.
     pub(crate) fn extent(&self) -> (usize, usize) {
         match self {
@@ -103,23 +103,23 @@ impl Way {
 }
 
 impl MotionValue {
-    pub(crate) fn new(way: Way) -> Self {
-        Self { way, settings: Settings::default(), obstacle: None }
+    pub(crate) fn new(way: MotionPath) -> Self {
+        Self { way, settings: MotionSettings::default(), obstacle: None }
     }
 
     /// Creates a motion that cannot be planned, with the reason.
     pub(crate) fn refused(reason: impl Into<String>) -> Self {
-        let obstacle = Some(Obstacle::Refused(reason.into()));
-        Self { way: Way::Refused, settings: Settings::default(), obstacle }
+        let obstacle = Some(PlanningObstacle::Refused(reason.into()));
+        Self { way: MotionPath::Refused, settings: MotionSettings::default(), obstacle }
     }
 
     /// Records the reason why the motion cannot be planned; the first reason is kept.
-    pub(crate) fn obstruct(&mut self, obstacle: Obstacle) {
+    pub(crate) fn obstruct(&mut self, obstacle: PlanningObstacle) {
         self.obstacle.get_or_insert(obstacle);
     }
 }
 
-impl Settings {
+impl MotionSettings {
     /// Fills unset values from a batch or a robot.
     pub(crate) fn or(&self, defaults: &Self) -> Self {
         let or = |by_kind: &ByKind<f64>, other: &ByKind<f64>| {

@@ -2,14 +2,14 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use iiwa_java::{Stop, Unknown, Value};
+use iiwa_java::{EvaluationStop, Unknown, Value};
 use iiwa_program::Frame;
 
 use crate::application::{
     arguments::{first_unknown, flattened, frame, joints, numbers, robot_value},
     durations::hold_time,
     frame_value::FrameValue,
-    motion_value::{Goal, HoldTime, MotionValue, Obstacle, Way},
+    motion_value::{HoldTime, MotionPath, MotionValue, PlanningObstacle, TargetFrame},
     robot_value::{RobotValue, robot},
     robotics::Robotics,
     spot::Spot,
@@ -66,7 +66,7 @@ impl Robotics<'_> {
         &mut self,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         if let Some((_, reason)) = REFUSED.iter().find(|(refused, _)| *refused == name) {
             let reason = format!("`{name}` cannot be planned ahead: {reason}");
             return Ok(Some(robot(RobotValue::motion(MotionValue::refused(reason)))));
@@ -76,21 +76,21 @@ impl Robotics<'_> {
             "batch" | "spline" => return self.sequence(kind, arguments).map(Some),
             "positionHold" => return Ok(Some(position_hold(arguments))),
             _ if first_unknown(arguments).is_some() => {
-                let mut motion = MotionValue::new(Way::Refused);
+                let mut motion = MotionValue::new(MotionPath::Refused);
                 if let Some(unknown) = first_unknown(arguments) {
                     motion.obstruct(target_unknown(unknown));
                 }
                 return Ok(Some(robot(RobotValue::motion(motion))));
             }
-            "ptpHome" => Some(Way::Home),
+            "ptpHome" => Some(MotionPath::Home),
             "ptp" => self.ptp(arguments)?,
-            "lin" => goal(arguments).map(Way::Lin),
-            "spl" => goal(arguments).map(Way::Spl),
+            "lin" => goal(arguments).map(MotionPath::Lin),
+            "spl" => goal(arguments).map(MotionPath::Spl),
             "circ" => match arguments {
                 [aux, to] => {
                     let aux = goal(std::slice::from_ref(aux));
                     let to = goal(std::slice::from_ref(to));
-                    aux.zip(to).map(|(aux, to)| Way::Circ { aux, to })
+                    aux.zip(to).map(|(aux, to)| MotionPath::Circ { aux, to })
                 }
                 _ => None,
             },
@@ -109,7 +109,7 @@ impl Robotics<'_> {
         }
     }
 
-    fn ptp(&mut self, arguments: &[Value]) -> Result<Option<Way>, Stop> {
+    fn ptp(&mut self, arguments: &[Value]) -> Result<Option<MotionPath>, EvaluationStop> {
         if let [only] = arguments
             && let Some(RobotValue::Joints(joints)) = robot_value(only)
             && let Some(unknown) = &joints.borrow().unknown
@@ -117,7 +117,7 @@ impl Robotics<'_> {
             return self.reject_unknown("the target of this motion", unknown);
         }
         if let Some(joints_rad) = joints(arguments) {
-            return Ok(Some(Way::Joints(joints_rad)));
+            return Ok(Some(MotionPath::Joints(joints_rad)));
         }
         if let Some(numbers) = numbers(arguments) {
             let count = numbers.len();
@@ -126,11 +126,11 @@ impl Robotics<'_> {
                 format!("a motion to joints takes 7 numbers, and here are {count}"),
             );
         }
-        Ok(goal(arguments).map(Way::Ptp))
+        Ok(goal(arguments).map(MotionPath::Ptp))
     }
 
     /// Creates a batch or a spline.
-    fn sequence(&mut self, kind: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    fn sequence(&mut self, kind: &str, arguments: &[Value]) -> Result<Value, EvaluationStop> {
         let arguments = flattened(arguments);
         let mut motions = Vec::with_capacity(arguments.len());
         for argument in &arguments {
@@ -138,7 +138,7 @@ impl Robotics<'_> {
                 Some(RobotValue::Motion(motion)) => motions.push(motion),
                 _ => match argument {
                     Value::Unknown(unknown) => {
-                        let mut motion = MotionValue::new(Way::Refused);
+                        let mut motion = MotionValue::new(MotionPath::Refused);
                         motion.obstruct(target_unknown(Rc::clone(unknown)));
                         motions.push(Rc::new(RefCell::new(motion)));
                     }
@@ -154,7 +154,8 @@ impl Robotics<'_> {
                 },
             }
         }
-        let way = if kind == "spline" { Way::Spline(motions) } else { Way::Batch(motions) };
+        let way =
+            if kind == "spline" { MotionPath::Spline(motions) } else { MotionPath::Batch(motions) };
         let (depth, count) = way.extent();
         if depth > MAX_DEPTH || count > MAX_MOTIONS {
             return self.reject(format!(
@@ -172,21 +173,21 @@ const MAX_DEPTH: usize = 20;
 const MAX_MOTIONS: usize = 10_000;
 
 /// Returns the target frame of a motion.
-fn goal(arguments: &[Value]) -> Option<Goal> {
+fn goal(arguments: &[Value]) -> Option<TargetFrame> {
     let [only] = arguments else { return None };
     match robot_value(only) {
-        Some(RobotValue::Frame(frame)) => Some(Goal::Frame(frame)),
-        Some(RobotValue::Spot(spot)) => Some(Goal::Spot(spot)),
+        Some(RobotValue::Frame(frame)) => Some(TargetFrame::Frame(frame)),
+        Some(RobotValue::Spot(spot)) => Some(TargetFrame::Spot(spot)),
         // A transformation is a frame in the world.
         Some(RobotValue::Transformation(frame)) => {
             let frame = FrameValue::within(Spot::World, *frame);
-            Some(Goal::Frame(Rc::new(RefCell::new(frame))))
+            Some(TargetFrame::Frame(Rc::new(RefCell::new(frame))))
         }
         _ => None,
     }
 }
 
-fn lin_rel(arguments: &[Value]) -> Option<Way> {
+fn lin_rel(arguments: &[Value]) -> Option<MotionPath> {
     let (offset, within) = match arguments {
         // The setters define the offset.
         [] => (Some(Frame::default()), None),
@@ -201,16 +202,16 @@ fn lin_rel(arguments: &[Value]) -> Option<Way> {
         Some(within) => Some(goal(std::slice::from_ref(within))?),
         None => None,
     };
-    Some(Way::LinRel { offset: offset?, within })
+    Some(MotionPath::LinRel { offset: offset?, within })
 }
 
 /// Creates a position hold.
 fn position_hold(arguments: &[Value]) -> Value {
-    let mut motion = MotionValue::new(Way::Hold(HoldTime::UntilEnded));
+    let mut motion = MotionValue::new(MotionPath::Hold(HoldTime::UntilEnded));
     match arguments {
         [_, Value::Unknown(unknown), _] | [_, _, Value::Unknown(unknown)] => {
             let subject = "the time of this hold".to_owned();
-            motion.obstruct(Obstacle::Unknown(subject, Rc::clone(unknown)));
+            motion.obstruct(PlanningObstacle::Unknown(subject, Rc::clone(unknown)));
         }
         [_, time, unit] => {
             let amount = time.number();
@@ -219,10 +220,10 @@ fn position_hold(arguments: &[Value]) -> Value {
                 _ => None,
             };
             if let Some(seconds) = seconds {
-                motion.way = Way::Hold(hold_time(seconds));
+                motion.way = MotionPath::Hold(hold_time(seconds));
             } else {
                 let reason = "the time of this hold is not a number and a unit of time";
-                motion.obstruct(Obstacle::Refused(reason.to_owned()));
+                motion.obstruct(PlanningObstacle::Refused(reason.to_owned()));
             }
         }
         // Without a time, the hold is unlimited.
@@ -231,8 +232,8 @@ fn position_hold(arguments: &[Value]) -> Value {
     robot(RobotValue::motion(motion))
 }
 
-fn target_unknown(unknown: Rc<Unknown>) -> Obstacle {
-    Obstacle::Unknown("the target of this motion".to_owned(), unknown)
+fn target_unknown(unknown: Rc<Unknown>) -> PlanningObstacle {
+    PlanningObstacle::Unknown("the target of this motion".to_owned(), unknown)
 }
 
 fn is_number(value: &Value) -> bool {

@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use iiwa_java::{Place, Stop, Value};
+use iiwa_java::{EvaluationStop, SourceLine, Value};
 use iiwa_kin::{Pose, Status};
 use iiwa_program::{
     Blend, ByKind, CartesianMotion, Circ, Course, Frame, MAX_OVERLAP, Motion, OrientationType,
@@ -12,7 +12,9 @@ use iiwa_program::{
 use crate::application::{
     arrival::{joints_at, moved_by, on_circle},
     frame_value::Parent,
-    motion_value::{Blending, Goal, MotionValue, Obstacle, Settings, Way},
+    motion_value::{
+        Blending, MotionPath, MotionSettings, MotionValue, PlanningObstacle, TargetFrame,
+    },
     robot_value::{RobotValue, Sent, robot},
     robotics::Robotics,
     spot::Spot,
@@ -39,7 +41,7 @@ impl Robotics<'_> {
         mover: Spot,
         motion: &Rc<RefCell<MotionValue>>,
         is_async: bool,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         self.note_default_frame(mover);
         let mover = self.station.default_frame(mover);
         self.check_known(mover)?;
@@ -50,7 +52,7 @@ impl Robotics<'_> {
         }
         self.keep_override()?;
         let mut has_break = false;
-        for (motion, settings) in members(motion, &Settings::default()) {
+        for (motion, settings) in members(motion, &MotionSettings::default()) {
             has_break |= settings.has_break;
             self.send_one(mover, &motion, &settings)?;
         }
@@ -63,7 +65,7 @@ impl Robotics<'_> {
 
     /// Checks that the override does not change: a program has only the override of its first
     /// motion.
-    fn keep_override(&mut self) -> Result<(), Stop> {
+    fn keep_override(&mut self) -> Result<(), EvaluationStop> {
         let station = &mut *self.station;
         let now = station.speed_override.as_ref().map_or(1.0, |(share, _)| *share);
         let first = *station.first_override.get_or_insert(now);
@@ -83,26 +85,26 @@ impl Robotics<'_> {
         &mut self,
         mover: Spot,
         motion: &MotionValue,
-        settings: &Settings,
-    ) -> Result<(), Stop> {
+        settings: &MotionSettings,
+    ) -> Result<(), EvaluationStop> {
         match &motion.obstacle {
-            Some(Obstacle::Unknown(subject, unknown)) => {
+            Some(PlanningObstacle::Unknown(subject, unknown)) => {
                 return self.reject_unknown(subject, unknown);
             }
-            Some(Obstacle::Refused(reason)) => return self.reject(reason.clone()),
+            Some(PlanningObstacle::Refused(reason)) => return self.reject(reason.clone()),
             None => {}
         }
         if self.station.schedule.sent() >= MAX_MOTIONS {
             return self.reject(format!("the arm is moved more than {MAX_MOTIONS} times"));
         }
-        if let Way::Hold(time) = motion.way {
+        if let MotionPath::Hold(time) = motion.way {
             return self.hold(time);
         }
         self.begin_to_move()?;
         let shares = ByKind::from_fn(|kind| settings.shares[kind].unwrap_or([1.0; 7]));
         let to_rad = match motion.way {
-            Way::Joints(joints_rad) => Some(joints_rad),
-            Way::Home => Some(self.station.home_rad),
+            MotionPath::Joints(joints_rad) => Some(joints_rad),
+            MotionPath::Home => Some(self.station.home_rad),
             _ => None,
         };
         if let Some(target_rad) = to_rad {
@@ -132,14 +134,14 @@ impl Robotics<'_> {
     }
 
     /// Adds a motion, if it is valid in a program.
-    fn put(&mut self, motion: Motion) -> Result<(), Stop> {
+    fn put(&mut self, motion: Motion) -> Result<(), EvaluationStop> {
         self.check(&motion)?;
         self.station.schedule.send(motion, self.place.clone());
         Ok(())
     }
 
     /// Adds a wait during which the robot continues its motions.
-    pub(crate) fn wait(&mut self, seconds: f64) -> Result<(), Stop> {
+    pub(crate) fn wait(&mut self, seconds: f64) -> Result<(), EvaluationStop> {
         self.check_wait(seconds)?;
         let overlap = self.station.schedule.under_way();
         if overlap > MAX_OVERLAP {
@@ -152,12 +154,12 @@ impl Robotics<'_> {
     }
 
     /// Refuses a wait that is longer than a program allows.
-    pub(crate) fn check_wait(&self, seconds: f64) -> Result<(), Stop> {
+    pub(crate) fn check_wait(&self, seconds: f64) -> Result<(), EvaluationStop> {
         self.check(&Motion::Wait { seconds, overlap: 0 })
     }
 
     /// Refuses a motion that is not valid in a program.
-    fn check(&self, motion: &Motion) -> Result<(), Stop> {
+    fn check(&self, motion: &Motion) -> Result<(), EvaluationStop> {
         let mut program = Program::from_rad(self.station.start_rad).build();
         program.motions.push(motion.clone());
         match program.check_numbers() {
@@ -174,9 +176,9 @@ impl Robotics<'_> {
         &mut self,
         mover: Spot,
         motion: &MotionValue,
-        settings: &Settings,
+        settings: &MotionSettings,
         law: OrientationType,
-    ) -> Result<Course, Stop> {
+    ) -> Result<Course, EvaluationStop> {
         let tcp = self.station.in_flange(mover).unwrap_or_default().pose();
         let from = self.station.robot.flange_pose(&self.station.at_rad).then(&tcp);
         let with_law = |pose: &Pose| match law {
@@ -188,18 +190,18 @@ impl Robotics<'_> {
         let status_of =
             |place: &Destination| place.status.filter(|_| law == OrientationType::Joints);
         match &motion.way {
-            Way::Ptp(to) => {
+            MotionPath::Ptp(to) => {
                 let place = self.place_of(to)?;
                 self.arrive(&place.target, (&place.pose, &tcp), place.e1_rad, place.status)?;
                 Ok(Course::Ptp { to: place.target })
             }
-            Way::Lin(to) => {
+            MotionPath::Lin(to) => {
                 let place = self.place_of(to)?;
                 let pose = with_law(&place.pose);
                 self.arrive(&place.target, (&pose, &tcp), place.e1_rad, status_of(&place))?;
                 Ok(Course::Lin { to: place.target })
             }
-            Way::LinRel { offset, within } => {
+            MotionPath::LinRel { offset, within } => {
                 let within = within.as_ref().map(|within| self.place_of(within)).transpose()?;
                 let axes = within.as_ref().map_or(from.rotation, |within| within.pose.rotation);
                 let pose = with_law(&moved_by(&from, &offset.pose(), &axes));
@@ -208,7 +210,7 @@ impl Robotics<'_> {
                 let within = within.map(|within| within.target);
                 Ok(Course::LinRel { offset: *offset, e1_rad: None, within })
             }
-            Way::Circ { aux, to } => {
+            MotionPath::Circ { aux, to } => {
                 let (aux, place) = (self.place_of(aux)?, self.place_of(to)?);
                 let mut pose = with_law(&place.pose);
                 if let Some(angle) = settings.circ_angle_rad {
@@ -224,7 +226,7 @@ impl Robotics<'_> {
                 self.arrive(&place.target, (&pose, &tcp), place.e1_rad, status_of(&place))?;
                 Ok(Course::Circ(circ(aux.target, place.target, settings)))
             }
-            Way::Spl(to) => {
+            MotionPath::Spl(to) => {
                 let place = self.place_of(to)?;
                 let pose = with_law(&place.pose);
                 self.arrive(&place.target, (&pose, &tcp), place.e1_rad, None)?;
@@ -234,17 +236,23 @@ impl Robotics<'_> {
                     limits: SegmentLimits::default(),
                 }]))
             }
-            Way::Spline(segments) => self.spline(&from, &tcp, law, segments),
-            Way::Joints(_) | Way::Home | Way::Batch(_) | Way::Hold(_) | Way::Refused => {
-                self.reject("this motion has no course of the TCP")
-            }
+            MotionPath::Spline(segments) => self.spline(&from, &tcp, law, segments),
+            MotionPath::Joints(_)
+            | MotionPath::Home
+            | MotionPath::Batch(_)
+            | MotionPath::Hold(_)
+            | MotionPath::Refused => self.reject("this motion has no course of the TCP"),
         }
     }
 
     /// Returns the orientation type of a motion. `OriJoint` on a spline is planned as `Variable`,
     /// because the wrist motion along a spline is unknown.
-    fn law_of(&mut self, way: &Way, law: Option<OrientationType>) -> Option<OrientationType> {
-        let is_spline = matches!(way, Way::Spl(_) | Way::Spline(_));
+    fn law_of(
+        &mut self,
+        way: &MotionPath,
+        law: Option<OrientationType>,
+    ) -> Option<OrientationType> {
+        let is_spline = matches!(way, MotionPath::Spl(_) | MotionPath::Spline(_));
         if is_spline && law == Some(OrientationType::Joints) {
             self.note("`OriJoint` on a spline is planned as `Variable`, which is an assumption");
             return Some(OrientationType::Variable);
@@ -259,7 +267,7 @@ impl Robotics<'_> {
         tcp: &Pose,
         law: OrientationType,
         segments: &[Rc<RefCell<MotionValue>>],
-    ) -> Result<Course, Stop> {
+    ) -> Result<Course, EvaluationStop> {
         let mut position = *from;
         let mut e1_rad = None;
         let mut last = None;
@@ -267,30 +275,30 @@ impl Robotics<'_> {
         for segment in segments {
             let segment = segment.borrow();
             match &segment.obstacle {
-                Some(Obstacle::Unknown(subject, unknown)) => {
+                Some(PlanningObstacle::Unknown(subject, unknown)) => {
                     return self.reject_unknown(subject, unknown);
                 }
-                Some(Obstacle::Refused(reason)) => return self.reject(reason.clone()),
+                Some(PlanningObstacle::Refused(reason)) => return self.reject(reason.clone()),
                 None => {}
             }
             let settings = &segment.settings;
             if settings.blending != Blending::default() {
                 return self.reject("a segment of a spline has a blending: set it on the spline");
             }
-            let segment_law = self.law_of(&Way::Spline(Vec::new()), settings.orientation);
+            let segment_law = self.law_of(&MotionPath::Spline(Vec::new()), settings.orientation);
             let own_law = segment_law.unwrap_or(law);
             let (place, course) = match &segment.way {
-                Way::Spl(to) => {
+                MotionPath::Spl(to) => {
                     let place = self.place_of(to)?;
                     let to = place.target.clone();
                     (place, SegmentCourse::Spl { to })
                 }
-                Way::Lin(to) => {
+                MotionPath::Lin(to) => {
                     let place = self.place_of(to)?;
                     let to = place.target.clone();
                     (place, SegmentCourse::Lin { to })
                 }
-                Way::LinRel { offset, within } => {
+                MotionPath::LinRel { offset, within } => {
                     let axes = match within {
                         Some(within) => self.place_of(within)?.pose.rotation,
                         None => position.rotation,
@@ -303,7 +311,7 @@ impl Robotics<'_> {
                         SegmentCourse::Lin { to },
                     )
                 }
-                Way::Circ { aux, to } => {
+                MotionPath::Circ { aux, to } => {
                     let (aux, place) = (self.place_of(aux)?, self.place_of(to)?);
                     let circ = circ(aux.target, place.target.clone(), settings);
                     (place, SegmentCourse::Circ(circ))
@@ -336,7 +344,7 @@ impl Robotics<'_> {
         poses: (&Pose, &Pose),
         e1_rad: Option<f64>,
         status: Option<Status>,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         let station = &self.station;
         match joints_at(&station.robot, &station.at_rad, poses, e1_rad, status) {
             Ok(joints_rad) => {
@@ -358,9 +366,9 @@ impl Robotics<'_> {
     }
 
     /// Resolves a target frame: its pose and its name in the program.
-    fn place_of(&mut self, goal: &Goal) -> Result<Destination, Stop> {
+    fn place_of(&mut self, goal: &TargetFrame) -> Result<Destination, EvaluationStop> {
         match goal {
-            Goal::Spot(Spot::Tree(index)) => {
+            TargetFrame::Spot(Spot::Tree(index)) => {
                 self.note_world_after_drive();
                 let Some(tree_frame) = self.station.tree.get(*index).cloned() else {
                     return self.reject("this frame is not in the data file");
@@ -382,11 +390,11 @@ impl Robotics<'_> {
                     target: TargetRef::Named(tree_frame.name),
                 })
             }
-            Goal::Spot(Spot::World) => {
+            TargetFrame::Spot(Spot::World) => {
                 let target = in_foot(Frame::default());
                 Ok(destination_of(target))
             }
-            Goal::Spot(spot) => {
+            TargetFrame::Spot(spot) => {
                 self.check_known(*spot)?;
                 if self.station.in_flange(*spot).is_some() {
                     let subject = self.spot_name(*spot);
@@ -400,7 +408,7 @@ impl Robotics<'_> {
                     self.reject(format!("{subject} is a target, and it is attached to nothing"))
                 }
             }
-            Goal::Frame(frame) => {
+            TargetFrame::Frame(frame) => {
                 let frame = frame.borrow().clone();
                 if let Some(unknown) = &frame.unknown {
                     return self.reject_unknown("the target of this motion", unknown);
@@ -441,7 +449,7 @@ impl Robotics<'_> {
     }
 
     /// Before the first motion, sets the program's tool and load from the bodies at the flange.
-    fn begin_to_move(&mut self) -> Result<(), Stop> {
+    fn begin_to_move(&mut self) -> Result<(), EvaluationStop> {
         if self.station.has_moved {
             return Ok(());
         }
@@ -458,7 +466,7 @@ impl Robotics<'_> {
     }
 
     /// Applies a payload change: at once if the robot has moved, otherwise at the first motion.
-    pub(crate) fn load_changed(&mut self) -> Result<(), Stop> {
+    pub(crate) fn load_changed(&mut self) -> Result<(), EvaluationStop> {
         let place = self.place.clone();
         if self.station.has_moved {
             return self.carry(place);
@@ -468,7 +476,7 @@ impl Robotics<'_> {
     }
 
     /// Appends a load change if the payload differs from the program's load.
-    fn carry(&mut self, place: Place) -> Result<(), Stop> {
+    fn carry(&mut self, place: SourceLine) -> Result<(), EvaluationStop> {
         let wanted = self.station.flange_load();
         if self.station.carried == wanted {
             return Ok(());
@@ -503,19 +511,22 @@ impl Robotics<'_> {
 
 /// Returns the motions of a batch, each with its settings and, where unset, those of the batch; any
 /// other motion alone.
-fn members(motion: &Rc<RefCell<MotionValue>>, defaults: &Settings) -> Vec<(MotionValue, Settings)> {
+fn members(
+    motion: &Rc<RefCell<MotionValue>>,
+    defaults: &MotionSettings,
+) -> Vec<(MotionValue, MotionSettings)> {
     let copied = motion.borrow().clone();
     let settings = copied.settings.or(defaults);
     match &copied.way {
         // A batch that cannot be planned is not split, so that its reason is reported.
-        Way::Batch(motions) if copied.obstacle.is_none() => {
+        MotionPath::Batch(motions) if copied.obstacle.is_none() => {
             motions.iter().flat_map(|motion| members(motion, &settings)).collect()
         }
         _ => vec![(copied, settings)],
     }
 }
 
-fn circ(aux: TargetRef, to: TargetRef, settings: &Settings) -> Circ {
+fn circ(aux: TargetRef, to: TargetRef, settings: &MotionSettings) -> Circ {
     Circ {
         aux,
         to,

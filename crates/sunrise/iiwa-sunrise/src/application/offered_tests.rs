@@ -4,12 +4,12 @@
 
 use std::{collections::BTreeSet, rc::Rc};
 
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 
 use crate::application::{
     enum_constant::EnumConstant,
     frame_value::{FrameValue, RedundancyValue},
-    motion_value::{MotionValue, Way},
+    motion_value::{MotionPath, MotionValue},
     robot_value::{JointsValue, LoadRef, RobotValue, Sent},
     robotics::Robotics,
     spot::Spot,
@@ -61,7 +61,7 @@ fn names(is_class: bool) -> BTreeSet<String> {
 /// Creates a value of each kind; opaque objects by their classes.
 fn receivers() -> Vec<RobotValue> {
     let joints = JointsValue { joints_rad: [0.1; 7], unknown: None };
-    let motion = MotionValue::new(Way::Home);
+    let motion = MotionValue::new(MotionPath::Home);
     let mut all = vec![
         RobotValue::Robot,
         RobotValue::Joints(Rc::new(joints.into())),
@@ -208,8 +208,8 @@ fn each_offered_method_gives_a_value_a_question_or_unknown() {
                             wrong.insert(format!("{call}: unknown without a reason or a place"));
                         }
                     }
-                    Err(Stop::Refused(refusal)) if !refusal.reason.is_empty() => {}
-                    Err(Stop::Thrown(thrown)) if !thrown.message.is_empty() => {}
+                    Err(EvaluationStop::Refused(refusal)) if !refusal.reason.is_empty() => {}
+                    Err(EvaluationStop::Thrown(thrown)) if !thrown.message.is_empty() => {}
                     Err(stop) => {
                         wrong.insert(format!("{call}: {stop:?}"));
                     }

@@ -1,7 +1,7 @@
 //! Opaque objects, whose state does not affect the plan: application data, dialogs and log,
 //! controllers, conditions, control modes.
 
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 
 use crate::application::{
     arguments::first_unknown,
@@ -22,7 +22,7 @@ impl Robotics<'_> {
         opaque: &std::rc::Rc<Opaque>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match &*opaque.class {
             "IApplicationData" => return self.call_application_data(name, arguments),
             "IApplicationUI" => {
@@ -103,7 +103,11 @@ impl Robotics<'_> {
         Ok(self.not_known(&format!("{}.{name}", opaque.class)))
     }
 
-    fn call_application_data(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    fn call_application_data(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, EvaluationStop> {
         match (name, arguments) {
             ("getFrame" | "tryGetFrame", [Value::Text(path)]) => {
                 let path = path.to_string();

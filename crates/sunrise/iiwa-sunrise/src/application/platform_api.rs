@@ -1,6 +1,6 @@
 //! Mobile platforms: KMR omniMove and other devices that carry the robot.
 
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 
 use crate::application::{
     arguments::robot_value,
@@ -49,7 +49,11 @@ pub(crate) fn platform() -> Value {
 
 impl Robotics<'_> {
     /// Calls a method of a mobile platform.
-    pub(crate) fn call_platform(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    pub(crate) fn call_platform(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, EvaluationStop> {
         match name {
             "move" | "moveAsync" | "execute" | "executeAsync" | "drive" | "driveTo" => {
                 if let Some(RobotValue::Motion(_)) = arguments.first().and_then(robot_value) {

@@ -1,7 +1,7 @@
 //! Process data, which the operator may change.
 
 use crate::{AnswerValue, QuestionKind};
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 use iiwa_json::meant;
 
 use crate::application::{
@@ -13,7 +13,7 @@ use crate::application::{
 
 impl Robotics<'_> {
     /// Evaluates `getProcessData(id)`.
-    pub(crate) fn process_data(&mut self, id: &Value) -> Result<Value, Stop> {
+    pub(crate) fn process_data(&mut self, id: &Value) -> Result<Value, EvaluationStop> {
         let id = match id {
             Value::Text(id) => id.clone(),
             Value::Unknown(unknown) => return Ok(Value::Unknown(unknown.clone())),
@@ -41,7 +41,7 @@ impl Robotics<'_> {
         id: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match (name, arguments) {
             ("getValue", []) => {
                 self.station.readings += 1;
@@ -93,7 +93,7 @@ impl Robotics<'_> {
         id: &str,
         name: &str,
         value_of: impl Fn(&crate::ProcessData) -> Option<String>,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match self.stated(id, value_of) {
             Some(text) => self.typed(id, &text),
             None => Ok(self.not_known(&format!("IProcessData.{name}"))),
@@ -101,7 +101,7 @@ impl Robotics<'_> {
     }
 
     /// Converts a text to a value of the class in the data file.
-    fn typed(&mut self, id: &str, text: &str) -> Result<Value, Stop> {
+    fn typed(&mut self, id: &str, text: &str) -> Result<Value, EvaluationStop> {
         let data_type = self.stated(id, |data| Some(data.data_type.clone())).unwrap_or_default();
         let class = data_type.rsplit('.').next().unwrap_or_default().to_owned();
         let text = text.trim();

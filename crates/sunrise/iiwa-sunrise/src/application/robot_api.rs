@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use iiwa_java::{HostValue, Stop, Value};
+use iiwa_java::{EvaluationStop, HostValue, Value};
 use iiwa_kin::Joints;
 use iiwa_program::Frame;
 
@@ -32,7 +32,7 @@ impl Robotics<'_> {
         receiver: &RobotValue,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match (name, arguments) {
             ("toString", []) => return Ok(Value::text(self.station.robot_text(receiver))),
             ("hashCode", []) => return Ok(self.unknown("a hash code")),
@@ -73,7 +73,7 @@ impl Robotics<'_> {
         receiver: &RobotValue,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match receiver {
             RobotValue::Robot => self.call_lbr(name, arguments),
             RobotValue::Joints(joints) => self.call_joints(joints, name, arguments),
@@ -96,7 +96,7 @@ impl Robotics<'_> {
     }
 
     /// Calls a method of the robot.
-    fn call_lbr(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    fn call_lbr(&mut self, name: &str, arguments: &[Value]) -> Result<Value, EvaluationStop> {
         if matches!(name, "move" | "moveAsync") {
             return self.move_by(Spot::Flange, name == "moveAsync", arguments);
         }
@@ -191,7 +191,7 @@ impl Robotics<'_> {
         &mut self,
         frame: &Value,
         reference: Option<&Value>,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         let spot = match robot_value(frame) {
             Some(RobotValue::Spot(spot)) => self.station.default_frame(spot),
             _ => return Ok(self.not_known("LBR.getCurrentCartesianPosition")),
@@ -241,7 +241,7 @@ impl Robotics<'_> {
     }
 
     /// Returns the joint positions for the flange at a frame with E1 and status.
-    fn inverse_kinematics(&mut self, frame: &Value) -> Result<Value, Stop> {
+    fn inverse_kinematics(&mut self, frame: &Value) -> Result<Value, EvaluationStop> {
         let Some(frame) = self.frame_of(frame) else {
             return Ok(self.not_known("LBR.getInverseKinematicFromFrameAndRedundancy"));
         };
@@ -271,7 +271,7 @@ impl Robotics<'_> {
     }
 
     /// Sets the override of an application.
-    pub(crate) fn set_override(&mut self, share: &Value) -> Result<Value, Stop> {
+    pub(crate) fn set_override(&mut self, share: &Value) -> Result<Value, EvaluationStop> {
         match share {
             Value::Unknown(unknown) => self.reject_unknown("the speed of the application", unknown),
             share => {

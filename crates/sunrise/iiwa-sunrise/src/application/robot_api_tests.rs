@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use iiwa_java::{Object, Stop, Value};
+use iiwa_java::{EvaluationStop, JavaObject, Value};
 use iiwa_kin::{Joints, Robot};
 use iiwa_program::{Blend, Course, LimitKind, Motion, Program, Ptp, TargetRef};
 
@@ -27,13 +27,13 @@ fn finished(machine: &mut Robotics<'static>) -> (Program, Vec<u32>) {
     (program, lines)
 }
 
-fn ready(machine: &mut Robotics<'static>) -> Result<(), Stop> {
+fn ready(machine: &mut Robotics<'static>) -> Result<(), EvaluationStop> {
     let (lbr, motion) = (lbr(), machine.motion("ptp", &doubles(&READY))?);
     machine.on(&lbr, "move", &[motion])?;
     Ok(())
 }
 
-fn gripper(machine: &mut Robotics<'static>) -> Result<Value, Stop> {
+fn gripper(machine: &mut Robotics<'static>) -> Result<Value, EvaluationStop> {
     let (gripper, flange) = (machine.injected_body("Gripper", false), flange());
     machine.on(&gripper, "attachTo", &[flange])?;
     Ok(gripper)
@@ -47,7 +47,7 @@ fn course(program: &Program, index: usize) -> Option<&Course> {
 }
 
 #[test]
-fn joints_and_their_limits() -> Result<(), Stop> {
+fn joints_and_their_limits() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     let motion = machine.motion("ptp", &doubles(&READY))?;
     let motion = machine.on(&motion, "setJointVelocityRel", &doubles(&[0.25]))?;
@@ -64,7 +64,7 @@ fn joints_and_their_limits() -> Result<(), Stop> {
 }
 
 #[test]
-fn frames_of_the_tree_keep_their_names() -> Result<(), Stop> {
+fn frames_of_the_tree_keep_their_names() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let pick = machine.frame("/Table/Pick")?;
@@ -96,7 +96,7 @@ fn frames_of_the_tree_keep_their_names() -> Result<(), Stop> {
 }
 
 #[test]
-fn computed_frames_are_in_the_robots_foot() -> Result<(), Stop> {
+fn computed_frames_are_in_the_robots_foot() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let pick = machine.frame("/Table/Pick")?;
@@ -125,7 +125,7 @@ fn computed_frames_are_in_the_robots_foot() -> Result<(), Stop> {
 }
 
 #[test]
-fn a_frame_rotates_about_its_axes() -> Result<(), Stop> {
+fn a_frame_rotates_about_its_axes() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     let frame = machine.new_frame(&doubles(&[500.0, 0.0, 400.0, 0.0, 0.0, std::f64::consts::PI]));
     let down = transformation_static("ofDeg", &doubles(&[0.0, 0.0, 50.0, 0.0, 0.0, 0.0]));
@@ -139,7 +139,7 @@ fn a_frame_rotates_about_its_axes() -> Result<(), Stop> {
 }
 
 #[test]
-fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
+fn tools_and_workpieces_change_the_load() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     let gripper = gripper(&mut machine)?;
     ready(&mut machine)?;
@@ -162,9 +162,9 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
     assert_eq!(masses, [1.5, 2.0, 2.0, 2.0, 2.0, 1.5, 1.5]);
     assert_eq!(lines[1], attached_at);
     let Some(Motion::Load(Some(load))) = program.motions.get(1) else {
-        return Err(Stop::Refused(Box::new(iiwa_java::Refusal {
+        return Err(EvaluationStop::Refused(Box::new(iiwa_java::JavaRefusal {
             reason: "no load".to_owned(),
-            place: iiwa_java::Place { file: "".into(), line: 0 },
+            place: iiwa_java::SourceLine { file: "".into(), line: 0 },
         })));
     };
     // Loads of 1.5 kg at 50 mm and 0.5 kg at 160 mm.
@@ -184,7 +184,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), Stop> {
 }
 
 #[test]
-fn a_batch_passes_settings_to_its_members() -> Result<(), Stop> {
+fn a_batch_passes_settings_to_its_members() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let down = machine.motion("linRel", &doubles(&[0.0, 0.0, 20.0]))?;
@@ -212,7 +212,7 @@ fn a_batch_passes_settings_to_its_members() -> Result<(), Stop> {
 }
 
 #[test]
-fn waits_overlap_running_motions() -> Result<(), Stop> {
+fn waits_overlap_running_motions() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     let lbr = lbr();
     machine.robot_static("ThreadUtil", "milliSleep", &[Value::Int(700)])?;
@@ -230,7 +230,7 @@ fn waits_overlap_running_motions() -> Result<(), Stop> {
 }
 
 #[test]
-fn questions_are_answered_and_recorded() -> Result<(), Stop> {
+fn questions_are_answered_and_recorded() -> Result<(), EvaluationStop> {
     let answers = "[answers]\n\"part\" = [1, 0]\n[inputs]\n\"Belt.Lane\" = 2\n[data]\ncount = 7\n";
     let mut machine = machine(answers);
     let ui = machine.robot_injected("IApplicationUI", None, "ui")?.unwrap_or(Value::Null);
@@ -259,7 +259,7 @@ fn questions_are_answered_and_recorded() -> Result<(), Stop> {
 }
 
 #[test]
-fn unsupported_motions_are_rejected_by_name() -> Result<(), Stop> {
+fn unsupported_motions_are_rejected_by_name() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let lbr = lbr();
@@ -292,7 +292,7 @@ fn unknown_names_are_rejected_with_the_nearest_name() {
 }
 
 #[test]
-fn unreachable_frames_are_rejected_with_the_distance() -> Result<(), Stop> {
+fn unreachable_frames_are_rejected_with_the_distance() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     let (lbr, shelf) = (lbr(), machine.frame("/Shelf")?);
     let motion = machine.motion("ptp", &[shelf])?;
@@ -302,7 +302,7 @@ fn unreachable_frames_are_rejected_with_the_distance() -> Result<(), Stop> {
 }
 
 #[test]
-fn unknown_values_affect_only_their_uses() -> Result<(), Stop> {
+fn unknown_values_affect_only_their_uses() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let lbr = lbr();
@@ -321,7 +321,7 @@ fn unknown_values_affect_only_their_uses() -> Result<(), Stop> {
 }
 
 #[test]
-fn a_velocity_of_0_throws_as_on_the_controller() -> Result<(), Stop> {
+fn a_velocity_of_0_throws_as_on_the_controller() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     let motion = machine.motion("ptp", &doubles(&READY))?;
     let why = reason(machine.on(&motion, "setJointVelocityRel", &doubles(&[0.0])));
@@ -330,7 +330,7 @@ fn a_velocity_of_0_throws_as_on_the_controller() -> Result<(), Stop> {
 }
 
 #[test]
-fn the_arm_knows_where_it_stands() -> Result<(), Stop> {
+fn the_arm_knows_where_it_stands() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     gripper(&mut machine)?;
     ready(&mut machine)?;
@@ -345,7 +345,7 @@ fn the_arm_knows_where_it_stands() -> Result<(), Stop> {
 }
 
 #[test]
-fn batches_within_batches_come_to_an_end() -> Result<(), Stop> {
+fn batches_within_batches_come_to_an_end() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     let mut batch = machine.motion("ptp", &doubles(&READY))?;
     let why = loop {
@@ -359,7 +359,7 @@ fn batches_within_batches_come_to_an_end() -> Result<(), Stop> {
 }
 
 #[test]
-fn frames_within_frames_stay_where_they_are() -> Result<(), Stop> {
+fn frames_within_frames_stay_where_they_are() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     let mut frame = machine.new_frame(&doubles(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
     for _ in 0..100_000 {
@@ -374,14 +374,14 @@ fn frames_within_frames_stay_where_they_are() -> Result<(), Stop> {
 }
 
 #[test]
-fn inputs_of_a_project_group() -> Result<(), Stop> {
+fn inputs_of_a_project_group() -> Result<(), EvaluationStop> {
     let mut machine = machine("[inputs]\n\"Belt.Height\" = 37\n\"Belt.Full\" = 1\n");
-    let group = Rc::new(Object::detached());
+    let group = Rc::new(JavaObject::detached());
     machine.robot_constructed(&group, "AbstractIOGroup", &[Value::Null, Value::text("Belt")])?;
     let mut read = |name: &str, signal: &str| {
         let arguments = [Value::text(signal), Value::Boolean(false)];
         let value = machine.robot_inherited(&group, "AbstractIOGroup", name, &arguments)?;
-        Ok::<_, Stop>(value.unwrap_or(Value::Null))
+        Ok::<_, EvaluationStop>(value.unwrap_or(Value::Null))
     };
     assert!(matches!(read("getAnalogIOValue", "Height")?, Value::Double(37.0)));
     assert!(matches!(read("getNumberIOValue", "Height")?, Value::Int(37)));
@@ -391,7 +391,7 @@ fn inputs_of_a_project_group() -> Result<(), Stop> {
 }
 
 #[test]
-fn inexpressible_calls_are_rejected_with_their_place() -> Result<(), Stop> {
+fn inexpressible_calls_are_rejected_with_their_place() -> Result<(), EvaluationStop> {
     let mut machine = machine("");
     ready(&mut machine)?;
     let lbr = lbr();

@@ -9,7 +9,7 @@ use iiwa_program::Frame;
 use crate::application::{
     enum_constant::EnumConstant,
     frame_value::{FrameValue, RedundancyValue},
-    motion_value::{MotionValue, Obstacle},
+    motion_value::{MotionValue, PlanningObstacle},
     spot::Spot,
 };
 
@@ -101,7 +101,9 @@ impl RobotValue {
             Self::Joints(joints) => joints.borrow_mut().unknown = Some(unknown),
             Self::Frame(frame) => frame.borrow_mut().unknown = Some(unknown),
             Self::Motion(motion) => {
-                motion.borrow_mut().obstruct(Obstacle::Unknown("this motion".to_owned(), unknown));
+                motion
+                    .borrow_mut()
+                    .obstruct(PlanningObstacle::Unknown("this motion".to_owned(), unknown));
             }
             _ => {}
         }

@@ -1,13 +1,13 @@
 //! Motions and waits that an application commands, in order.
 
-use iiwa_java::Place;
+use iiwa_java::SourceLine;
 use iiwa_kin::Load;
 use iiwa_program::Motion;
 
 /// Motions and waits of an application so far.
 #[derive(Debug, Default)]
 pub(crate) struct Schedule {
-    entries: Vec<Entry>,
+    entries: Vec<ScheduleEntry>,
     /// Number of motions sent since the program last waited for standstill.
     under_way: usize,
     /// Number of motions sent in total.
@@ -26,19 +26,19 @@ struct Hold {
 }
 
 #[derive(Debug)]
-struct Entry {
+struct ScheduleEntry {
     motion: Motion,
-    place: Place,
+    place: SourceLine,
     /// `true` if the program waits for standstill at its end.
     is_awaited: bool,
 }
 
 impl Schedule {
     /// Adds a motion that the program does not wait for.
-    pub(crate) fn send(&mut self, motion: Motion, place: Place) {
+    pub(crate) fn send(&mut self, motion: Motion, place: SourceLine) {
         // The motion begins at the end of a hold.
         self.hold = None;
-        self.entries.push(Entry { motion, place, is_awaited: false });
+        self.entries.push(ScheduleEntry { motion, place, is_awaited: false });
         self.under_way += 1;
         self.sent += 1;
     }
@@ -71,11 +71,11 @@ impl Schedule {
     }
 
     /// Holds the robot's position for a number of seconds while the program continues.
-    pub(crate) fn hold(&mut self, seconds: f64, is_fixed: bool, place: Place) {
+    pub(crate) fn hold(&mut self, seconds: f64, is_fixed: bool, place: SourceLine) {
         self.hold = Some(Hold { entry: self.entries.len(), slept_s: 0.0, is_fixed });
         self.sent += 1;
         let motion = Motion::Wait { seconds, overlap: 0 };
-        self.entries.push(Entry { motion, place, is_awaited: true });
+        self.entries.push(ScheduleEntry { motion, place, is_awaited: true });
     }
 
     /// Returns true if the program has started a hold, and has neither awaited nor ended it.
@@ -87,7 +87,7 @@ impl Schedule {
     /// start.
     pub(crate) fn end_hold(&mut self) {
         let Some(Hold { entry, slept_s, is_fixed: false }) = self.hold.take() else { return };
-        if let Some(Entry { motion: Motion::Wait { seconds, .. }, .. }) =
+        if let Some(ScheduleEntry { motion: Motion::Wait { seconds, .. }, .. }) =
             self.entries.get_mut(entry)
         {
             *seconds = slept_s;
@@ -97,7 +97,7 @@ impl Schedule {
     /// Returns the part of a sleep that exceeds the hold in progress; all of it without a hold.
     fn beyond_hold(&mut self, seconds: f64) -> f64 {
         let Some(Hold { entry, slept_s, .. }) = &mut self.hold else { return seconds };
-        let Some(Entry { motion: Motion::Wait { seconds: held, .. }, .. }) =
+        let Some(ScheduleEntry { motion: Motion::Wait { seconds: held, .. }, .. }) =
             self.entries.get(*entry)
         else {
             return seconds;
@@ -111,35 +111,35 @@ impl Schedule {
     }
 
     /// Adds a wait of a number of seconds during which the robot continues its motions.
-    pub(crate) fn wait(&mut self, seconds: f64, place: Place) {
+    pub(crate) fn wait(&mut self, seconds: f64, place: SourceLine) {
         let seconds = match self.beyond_hold(seconds) {
             0.0 if seconds > 0.0 => return,
             beyond => beyond,
         };
         let motion = Motion::Wait { seconds, overlap: self.under_way };
-        self.entries.push(Entry { motion, place, is_awaited: true });
+        self.entries.push(ScheduleEntry { motion, place, is_awaited: true });
     }
 
     /// Adds a change of the payload. Of consecutive changes, the last one is kept.
-    pub(crate) fn load(&mut self, load: Option<Load>, place: Place) {
+    pub(crate) fn load(&mut self, load: Option<Load>, place: SourceLine) {
         // A hold in progress continues after the load change.
         let rest = self.rest_of_hold();
         self.await_all();
-        if let Some(Entry { motion: Motion::Load(_), .. }) = self.entries.last() {
+        if let Some(ScheduleEntry { motion: Motion::Load(_), .. }) = self.entries.last() {
             self.entries.pop();
         }
-        self.entries.push(Entry { motion: Motion::Load(load), place, is_awaited: true });
+        self.entries.push(ScheduleEntry { motion: Motion::Load(load), place, is_awaited: true });
         if let Some((seconds, is_fixed, place)) = rest {
             self.hold = Some(Hold { entry: self.entries.len(), slept_s: 0.0, is_fixed });
             let motion = Motion::Wait { seconds, overlap: 0 };
-            self.entries.push(Entry { motion, place, is_awaited: true });
+            self.entries.push(ScheduleEntry { motion, place, is_awaited: true });
         }
     }
 
     /// Ends the hold in progress at the current time, and returns its remaining time.
-    fn rest_of_hold(&mut self) -> Option<(f64, bool, Place)> {
+    fn rest_of_hold(&mut self) -> Option<(f64, bool, SourceLine)> {
         let Hold { entry, slept_s, is_fixed } = self.hold.take()?;
-        let Entry { motion: Motion::Wait { seconds, .. }, place, .. } =
+        let ScheduleEntry { motion: Motion::Wait { seconds, .. }, place, .. } =
             self.entries.get_mut(entry)?
         else {
             return None;
@@ -151,8 +151,8 @@ impl Schedule {
 
     /// Returns all entries. Blends are kept only before a motion that is sent in time, and trailing
     /// load changes are removed. A motion whose end the program waits for is blocking.
-    pub(crate) fn finish(mut self) -> Vec<(Motion, Place)> {
-        while let Some(Entry { motion: Motion::Load(_), .. }) = self.entries.last() {
+    pub(crate) fn finish(mut self) -> Vec<(Motion, SourceLine)> {
+        while let Some(ScheduleEntry { motion: Motion::Load(_), .. }) = self.entries.last() {
             self.entries.pop();
         }
         // Remove holds that were ended at once.
@@ -194,19 +194,19 @@ mod tests {
 
     use super::*;
 
-    fn place(line: u32) -> Place {
-        Place { file: Rc::from("src/A.java"), line }
+    fn place(line: u32) -> SourceLine {
+        SourceLine { file: Rc::from("src/A.java"), line }
     }
 
     fn blended() -> Motion {
         Motion::Ptp(Ptp::to([0.1; 7]).blend(Blend::CartMm(20.0)))
     }
 
-    fn is_blocking(entry: &(Motion, Place)) -> bool {
+    fn is_blocking(entry: &(Motion, SourceLine)) -> bool {
         entry.0.is_blocking()
     }
 
-    fn has_blend(entry: &(Motion, Place)) -> bool {
+    fn has_blend(entry: &(Motion, SourceLine)) -> bool {
         matches!(&entry.0, Motion::Ptp(Ptp { blend: Some(_), .. }))
     }
 

@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{Answers, DataFile, FrameCheck, ImportedCell, ProcessData, Question, Verdict};
-use iiwa_java::{Place, Unknown, Value};
+use iiwa_java::{SourceLine, Unknown, Value};
 use iiwa_kin::{Joints, Load, Pose, Robot};
 use iiwa_program::{Frame, Tool, Workcell};
 
@@ -74,11 +74,11 @@ pub(crate) struct Station {
     /// `true` if a motion was sent, so that the program's tool is fixed.
     pub(crate) has_moved: bool,
     /// Place of the last attachment or detachment.
-    pub(crate) attached_at: Option<Place>,
+    pub(crate) attached_at: Option<SourceLine>,
     /// Place of the last drive of a mobile platform, until a world frame is a target.
-    pub(crate) driven_at: Option<Place>,
+    pub(crate) driven_at: Option<SourceLine>,
     /// Override of the application, and the place where it was set.
-    pub(crate) speed_override: Option<(f64, Place)>,
+    pub(crate) speed_override: Option<(f64, SourceLine)>,
     /// Override at the first motion.
     pub(crate) first_override: Option<f64>,
     pub(crate) answers: Answers,

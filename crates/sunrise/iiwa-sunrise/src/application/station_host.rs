@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use iiwa_java::{Host, HostValue, Machine, Object, Progress, Stop, Value};
+use iiwa_java::{EvaluationStop, Host, HostCounts, HostValue, JavaObject, Machine, Value};
 
 use crate::application::{robot_value::RobotValue, robotics::Robotics, station::Station};
 
@@ -49,8 +49,8 @@ impl StationHost {
     fn with<T>(
         &self,
         machine: &mut Machine,
-        call: impl FnOnce(&mut Robotics<'_>) -> Result<T, Stop>,
-    ) -> Result<T, Stop> {
+        call: impl FnOnce(&mut Robotics<'_>) -> Result<T, EvaluationStop>,
+    ) -> Result<T, EvaluationStop> {
         match self.0.try_borrow_mut() {
             Ok(mut station) => call(&mut Robotics { machine, station: &mut station }),
             // Not reached: the API does not call project methods, which could call the API again.
@@ -82,9 +82,9 @@ impl Host for StationHost {
         &PAUSING
     }
 
-    fn progress(&self) -> Progress {
+    fn progress(&self) -> HostCounts {
         let station = self.0.borrow();
-        Progress {
+        HostCounts {
             actions: station.schedule.sent(),
             asked: station.asked.len(),
             continued: station.continued,
@@ -115,7 +115,7 @@ impl Host for StationHost {
         receiver: &Rc<dyn HostValue>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match robot_value_of(receiver) {
             Some(receiver) => {
                 self.with(machine, |robotics| robotics.call_robot(receiver, name, arguments))
@@ -129,7 +129,7 @@ impl Host for StationHost {
         machine: &mut Machine,
         receiver: &Rc<dyn HostValue>,
         name: &str,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match robot_value_of(receiver) {
             Some(receiver) => self.with(machine, |robotics| robotics.robot_field(receiver, name)),
             None => Ok(machine.unknown(format!("the field `{name}`"))),
@@ -142,7 +142,7 @@ impl Host for StationHost {
         class: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         self.with(machine, |robotics| robotics.robot_static(class, name, arguments))
     }
 
@@ -151,7 +151,7 @@ impl Host for StationHost {
         machine: &mut Machine,
         class: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         self.with(machine, |robotics| robotics.robot_new(class, arguments))
     }
 
@@ -160,7 +160,7 @@ impl Host for StationHost {
         machine: &mut Machine,
         class: &str,
         name: &str,
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         self.with(machine, |robotics| robotics.robot_constant(class, name))
     }
 
@@ -170,28 +170,28 @@ impl Host for StationHost {
         class: &str,
         named: Option<&str>,
         field: &str,
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         self.with(machine, |robotics| robotics.robot_injected(class, named, field))
     }
 
     fn inherited(
         &self,
         machine: &mut Machine,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         base: &str,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Option<Value>, Stop> {
+    ) -> Result<Option<Value>, EvaluationStop> {
         self.with(machine, |robotics| robotics.robot_inherited(object, base, name, arguments))
     }
 
     fn constructed(
         &self,
         machine: &mut Machine,
-        object: &Rc<Object>,
+        object: &Rc<JavaObject>,
         base: &str,
         arguments: &[Value],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EvaluationStop> {
         self.with(machine, |robotics| robotics.robot_constructed(object, base, arguments))
     }
 

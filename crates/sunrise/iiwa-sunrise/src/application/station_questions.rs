@@ -3,7 +3,7 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use crate::QuestionKind;
-use iiwa_java::Place;
+use iiwa_java::SourceLine;
 
 use crate::application::{
     asked::{Asked, EndlessLoop},
@@ -74,7 +74,7 @@ impl Station {
     }
 
     /// Records the endless loop in which the evaluation ended.
-    pub(crate) fn ended_in_loop(&mut self, place: &Place, since: usize) {
+    pub(crate) fn ended_in_loop(&mut self, place: &SourceLine, since: usize) {
         let asked = self.asked.get(since..).unwrap_or_default();
         let dialogs = asked.iter().filter(|question| question.kind == QuestionKind::Dialog);
         let mut dialogs_by_text: Vec<Asked> = Vec::new();

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::DataFile;
-use iiwa_java::{Classes, Machine, Place, Stop, Value};
+use iiwa_java::{Classes, EvaluationStop, Machine, SourceLine, Value};
 
 use crate::application::{
     robot_value::{RobotValue, robot},
@@ -57,7 +57,7 @@ pub(crate) fn machine(answers: &str) -> Robotics<'static> {
     let data_file = DataFile::from_xml(STATION).unwrap_or_default();
     let setup = StationSetup { data_file, answers, ..StationSetup::default() };
     let idle = Rc::new(StationHost::new(Station::new(StationSetup::default())));
-    let place = Place { file: Rc::from("src/Job.java"), line: 1 };
+    let place = SourceLine { file: Rc::from("src/Job.java"), line: 1 };
     // Leaked, which is acceptable for the duration of the tests.
     Robotics {
         machine: Box::leak(Box::new(Machine::new(Classes::default(), idle, place))),
@@ -81,7 +81,7 @@ impl Robotics<'_> {
         receiver: &Value,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         self.place.line += 1;
         match crate::application::arguments::robot_value(receiver) {
             Some(receiver) => self.call_robot(&receiver, name, arguments),
@@ -89,12 +89,16 @@ impl Robotics<'_> {
         }
     }
 
-    pub(crate) fn motion(&mut self, name: &str, arguments: &[Value]) -> Result<Value, Stop> {
+    pub(crate) fn motion(
+        &mut self,
+        name: &str,
+        arguments: &[Value],
+    ) -> Result<Value, EvaluationStop> {
         let motion = self.robot_static("BasicMotions", name, arguments)?;
         motion.map_or_else(|| self.reject(format!("no {name}")), Ok)
     }
 
-    pub(crate) fn frame(&mut self, path: &str) -> Result<Value, Stop> {
+    pub(crate) fn frame(&mut self, path: &str) -> Result<Value, EvaluationStop> {
         self.tree_frame(path)
     }
 }
@@ -108,11 +112,13 @@ pub(crate) fn flange() -> Value {
 }
 
 /// Returns the reason of a refusal, or the exception.
-pub(crate) fn reason<T>(result: Result<T, Stop>) -> String {
+pub(crate) fn reason<T>(result: Result<T, EvaluationStop>) -> String {
     match result {
         Ok(_) => "it was not refused".to_owned(),
-        Err(Stop::Refused(refusal)) => refusal.reason,
-        Err(Stop::Ended) => "it ended".to_owned(),
-        Err(Stop::Thrown(thrown)) => format!("{}: {}", thrown.classes.concat(), thrown.message),
+        Err(EvaluationStop::Refused(refusal)) => refusal.reason,
+        Err(EvaluationStop::Ended) => "it ended".to_owned(),
+        Err(EvaluationStop::Thrown(thrown)) => {
+            format!("{}: {}", thrown.classes.concat(), thrown.message)
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use iiwa_java::{Stop, Unknown, Value};
+use iiwa_java::{EvaluationStop, Unknown, Value};
 
 use crate::application::robotics::Robotics;
 
@@ -31,7 +31,7 @@ impl Robotics<'_> {
         receiver: Option<&Value>,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match (name, arguments) {
             (
                 "start"
@@ -60,7 +60,7 @@ impl Robotics<'_> {
 
     /// Starts a task: it is left out if it neither moves the robot nor interferes with motions;
     /// values that it sets are unknown then.
-    fn start(&mut self, task: Option<&Value>) -> Result<Value, Stop> {
+    fn start(&mut self, task: Option<&Value>) -> Result<Value, EvaluationStop> {
         let unknown = Unknown {
             reason: "what a thread does".to_owned(),
             place: self.place.clone(),

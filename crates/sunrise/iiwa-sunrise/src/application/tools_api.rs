@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::QuestionKind;
-use iiwa_java::{HostValue, Stop, Value};
+use iiwa_java::{EvaluationStop, HostValue, Value};
 use iiwa_json::meant;
 use iiwa_program::Frame;
 
@@ -27,7 +27,7 @@ impl Robotics<'_> {
         spot: Spot,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match (name, arguments) {
             ("move" | "moveAsync", _) => self.move_by(spot, name == "moveAsync", arguments),
             ("attachTo", [to, ..]) => self.attach(spot, to, arguments.get(1)),
@@ -109,7 +109,7 @@ impl Robotics<'_> {
         mover: Spot,
         is_async: bool,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match arguments {
             [Value::Unknown(unknown), ..] => self.reject_unknown("this motion", unknown),
             [Value::Null, ..] => self.throw("NullPointerException", "the motion is null"),
@@ -124,7 +124,12 @@ impl Robotics<'_> {
         }
     }
 
-    fn attach(&mut self, spot: Spot, to: &Value, offset: Option<&Value>) -> Result<Value, Stop> {
+    fn attach(
+        &mut self,
+        spot: Spot,
+        to: &Value,
+        offset: Option<&Value>,
+    ) -> Result<Value, EvaluationStop> {
         let Some(body) = spot.body() else {
             let subject = self.spot_name(spot);
             return self
@@ -186,7 +191,7 @@ impl Robotics<'_> {
         Ok(Value::Null)
     }
 
-    fn detach(&mut self, spot: Spot) -> Result<(), Stop> {
+    fn detach(&mut self, spot: Spot) -> Result<(), EvaluationStop> {
         let body = spot.body().and_then(|body| self.station.bodies.get_mut(body));
         if let Some(body) = body {
             body.attached = None;
@@ -196,7 +201,7 @@ impl Robotics<'_> {
     }
 
     /// Returns a frame by its path within another frame, or within a tool or workpiece.
-    fn frame_within(&mut self, spot: Spot, path: &Value) -> Result<Value, Stop> {
+    fn frame_within(&mut self, spot: Spot, path: &Value) -> Result<Value, EvaluationStop> {
         let path = match path {
             Value::Text(path) => path.to_string(),
             Value::Unknown(unknown) => return Ok(Value::Unknown(unknown.clone())),
@@ -254,7 +259,7 @@ impl Robotics<'_> {
     }
 
     /// Returns a frame of the data file, by its path.
-    pub(crate) fn tree_frame(&mut self, path: &str) -> Result<Value, Stop> {
+    pub(crate) fn tree_frame(&mut self, path: &str) -> Result<Value, EvaluationStop> {
         if let Some(tree_frame) = self.station.tree_frame(path) {
             return Ok(robot(RobotValue::Spot(Spot::Tree(tree_frame))));
         }
@@ -264,7 +269,7 @@ impl Robotics<'_> {
     }
 
     /// Creates a tool or workpiece from a template.
-    pub(crate) fn body_of_template(&mut self, name: &Value) -> Result<Value, Stop> {
+    pub(crate) fn body_of_template(&mut self, name: &Value) -> Result<Value, EvaluationStop> {
         let name = match name {
             Value::Text(name) => name.to_string(),
             Value::Unknown(unknown) => {

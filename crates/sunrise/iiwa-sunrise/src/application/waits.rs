@@ -1,6 +1,6 @@
 //! Waits of programs: for a duration, or for the robot.
 
-use iiwa_java::{Stop, Value};
+use iiwa_java::{EvaluationStop, Value};
 
 use crate::application::{
     enum_constant::EnumConstant,
@@ -10,7 +10,7 @@ use crate::application::{
 
 impl Robotics<'_> {
     /// Evaluates `ThreadUtil.milliSleep` and `Thread.sleep`.
-    pub(crate) fn sleep_ms(&mut self, amount: &Value) -> Result<Value, Stop> {
+    pub(crate) fn sleep_ms(&mut self, amount: &Value) -> Result<Value, EvaluationStop> {
         self.sleep(amount, |ms| Some(ms / 1e3))
     }
 
@@ -20,7 +20,7 @@ impl Robotics<'_> {
         constant: &EnumConstant,
         name: &str,
         arguments: &[Value],
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         match (name, arguments) {
             ("name", []) => Ok(Value::text(&constant.name)),
             ("ordinal", []) => Ok(Value::Int(constant.ordinal)),
@@ -81,7 +81,7 @@ impl Robotics<'_> {
         &mut self,
         amount: &Value,
         seconds: impl Fn(f64) -> Option<f64>,
-    ) -> Result<Value, Stop> {
+    ) -> Result<Value, EvaluationStop> {
         if let Value::Unknown(unknown) = amount {
             return self.reject_unknown("the time of this wait", unknown);
         }
@@ -99,7 +99,11 @@ impl Robotics<'_> {
     }
 
     /// Calls a method of a motion container.
-    pub(crate) fn call_container(&mut self, sent: Sent, name: &str) -> Result<Value, Stop> {
+    pub(crate) fn call_container(
+        &mut self,
+        sent: Sent,
+        name: &str,
+    ) -> Result<Value, EvaluationStop> {
         let Sent { count: sent, has_break } = sent;
         let is_under_way =
             self.station.schedule.is_under_way() && sent == self.station.schedule.sent();

@@ -6,7 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use prost::{Message, Oneof};
 
-use super::metrics::Value;
+use super::metrics::SparkplugValue;
 
 #[derive(Clone, PartialEq, Message)]
 struct Payload {
@@ -53,18 +53,18 @@ const BOOLEAN: u32 = 11;
 const STRING: u32 = 12;
 
 /// Encodes a payload with these metrics; death messages have no `seq`.
-pub(super) fn encode(seq: Option<u8>, metrics: &[(String, Value)]) -> Vec<u8> {
+pub(super) fn encode(seq: Option<u8>, metrics: &[(String, SparkplugValue)]) -> Vec<u8> {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let timestamp = u64::try_from(now.as_millis()).ok();
-    let metric = |(name, value): &(String, Value)| {
+    let metric = |(name, value): &(String, SparkplugValue)| {
         let (datatype, value) = match value {
-            Value::Double(number) => (DOUBLE, Some(MetricValue::Double(*number))),
-            Value::Boolean(flag) => (BOOLEAN, Some(MetricValue::Boolean(*flag))),
-            Value::Int64(number) => (INT64, Some(MetricValue::Long(*number))),
-            Value::UInt64(number) => (UINT64, Some(MetricValue::Long(*number))),
-            Value::Text(text) => (STRING, Some(MetricValue::Text(text.clone()))),
-            Value::NoText => (STRING, None),
-            Value::NoDouble => (DOUBLE, None),
+            SparkplugValue::Double(number) => (DOUBLE, Some(MetricValue::Double(*number))),
+            SparkplugValue::Boolean(flag) => (BOOLEAN, Some(MetricValue::Boolean(*flag))),
+            SparkplugValue::Int64(number) => (INT64, Some(MetricValue::Long(*number))),
+            SparkplugValue::UInt64(number) => (UINT64, Some(MetricValue::Long(*number))),
+            SparkplugValue::Text(text) => (STRING, Some(MetricValue::Text(text.clone()))),
+            SparkplugValue::NoText => (STRING, None),
+            SparkplugValue::NoDouble => (DOUBLE, None),
         };
         Metric {
             name: Some(name.clone()),

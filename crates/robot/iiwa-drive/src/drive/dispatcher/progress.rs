@@ -3,15 +3,15 @@
 use std::{sync::Arc, time::Instant};
 
 use iiwa_link::{
-    message::{Body, Code, DriveState, Refusal, RunEnd},
+    message::{Code, DriveState, Refusal, ReplyBody, RunEnd},
     robot_program::{Acknowledgement, Instruction, RunId, StateChange},
 };
 
-use super::state::{Dispatcher, Output, Purpose, QueryKind, RunStage};
+use super::state::{Dispatcher, DispatcherOutput, Purpose, QueryKind, RunStage};
 use crate::drive::{
     events::{FriCommand, FriEvent},
     instruction_queue::ACKNOWLEDGE_TIMEOUT,
-    run::{FinishedRun, Phase},
+    run::{FinishedRun, RunProgress},
     run_replies::RunRecord,
     setpoints::TrajectoryEnd,
 };
@@ -30,9 +30,9 @@ impl<C> Dispatcher<C> {
             (Purpose::Query(requester, kind), None) => {
                 let Acknowledgement { sensors, io, value, .. } = acknowledgement;
                 let content = match kind {
-                    QueryKind::Sensors => sensors.map(|sensors| Body::Sensors { sensors }),
-                    QueryKind::Signals => io.map(|io| Body::Signals { io }),
-                    QueryKind::Value => value.map(|value| Body::Value { value }),
+                    QueryKind::Sensors => sensors.map(|sensors| ReplyBody::Sensors { sensors }),
+                    QueryKind::Signals => io.map(|io| ReplyBody::Signals { io }),
+                    QueryKind::Value => value.map(|value| ReplyBody::Value { value }),
                 };
                 let lacks =
                     || Refusal::robot("the robot program's acknowledgement lacks the value");
@@ -57,9 +57,9 @@ impl<C> Dispatcher<C> {
     fn begin_planned(&mut self, run: RunId, now: Instant) {
         if let RunStage::Running(running) = &mut self.stage
             && running.run == run
-            && running.phase == Phase::Planning
+            && running.phase == RunProgress::Planning
         {
-            running.phase = Phase::Beginning;
+            running.phase = RunProgress::Beginning;
             self.instruct(Instruction::Begin { run }, Purpose::Begin(run), now);
         }
     }
@@ -70,7 +70,7 @@ impl<C> Dispatcher<C> {
         let is_back = self.program_lost && self.instructions.purposes().next().is_none();
         if restarted || is_back {
             // A cabinet that was switched off leaves a half-open connection.
-            self.outputs.push(Output::Reconnect);
+            self.outputs.push(DispatcherOutput::Reconnect);
         }
         self.infer_acknowledgement(&change, now);
         if let RunStage::Running(running) = &mut self.stage {
@@ -203,7 +203,7 @@ impl<C> Dispatcher<C> {
     /// Handles an instruction that was not acknowledged in time.
     fn instruction_failed(&mut self, purpose: Purpose<C>, now: Instant) {
         // The instruction must not arrive later over the old connection.
-        self.outputs.push(Output::Reconnect);
+        self.outputs.push(DispatcherOutput::Reconnect);
         match purpose {
             Purpose::Query(requester, _) => self.reply(requester, Err(timed_out())),
             Purpose::Plan(run) | Purpose::Begin(run) => self.fail(run, timed_out(), now),
@@ -231,7 +231,7 @@ impl<C> Dispatcher<C> {
             && running.run == run
         {
             // Without `begin`, planned motions never start; later, the run may have begun.
-            if running.phase != Phase::Planning {
+            if running.phase != RunProgress::Planning {
                 self.abandoned = Some(now);
             }
             running.fail(error, now);
@@ -255,7 +255,7 @@ impl<C> Dispatcher<C> {
         };
         // Also after a failure, when set-points may still be sent.
         if running.kind == DriveState::RunningTrajectory {
-            self.outputs.push(Output::Fri(FriCommand::Release));
+            self.outputs.push(DispatcherOutput::Fri(FriCommand::Release));
         }
         let (number, kind) = (running.run, running.kind);
         let label = running.label.clone();
@@ -270,7 +270,7 @@ impl<C> Dispatcher<C> {
             self.last_run = Some(record.clone());
         }
         self.reply_run(requester, record);
-        self.outputs.push(Output::Fri(FriCommand::Publish(DriveState::Idle)));
+        self.outputs.push(DispatcherOutput::Fri(FriCommand::Publish(DriveState::Idle)));
     }
 }
 

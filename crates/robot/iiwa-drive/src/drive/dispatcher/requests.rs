@@ -5,17 +5,20 @@ use std::time::Instant;
 use iiwa_fri::{Quality, SessionState};
 use iiwa_link::{
     message::{
-        Body, Code, DriveState, MAX_SHORT_REQUEST_BYTES, Refusal, Request, RequestHead, RunLabel,
+        Code, DriveState, MAX_SHORT_REQUEST_BYTES, Refusal, ReplyBody, Request, RequestHead,
+        RunLabel,
     },
     robot_program::{Instruction, RunId},
 };
 use iiwa_program::{MotionList, Sources};
 
-use super::state::{Dispatcher, IncomingRequest, Output, Purpose, QueryKind, Requester, RunStage};
+use super::state::{
+    Dispatcher, DispatcherOutput, IncomingRequest, Purpose, QueryKind, Requester, RunStage,
+};
 use crate::drive::{
     checks::{CheckJob, CheckedRun, RunTask, UncheckedRun},
     events::{FriCommand, Observation},
-    run::{Phase, Running},
+    run::{ActiveRun, RunProgress},
 };
 
 impl<C> Dispatcher<C> {
@@ -41,7 +44,7 @@ impl<C> Dispatcher<C> {
     fn serve(&mut self, requester: Requester<C>, request: Request, now: Instant) {
         let (instruction, kind) = match request {
             Request::State => {
-                let status = Body::Status(Box::new(self.status(now)));
+                let status = ReplyBody::Status(Box::new(self.status(now)));
                 return self.reply(requester, Ok(Some(status)));
             }
             Request::LastRun => return self.serve_last_run(requester),
@@ -96,14 +99,14 @@ impl<C> Dispatcher<C> {
                 self.next_run = self.next_run.wrapping_add(1);
                 self.stage = RunStage::Checking(run, requester);
                 let unchecked = UncheckedRun { run, body, permit, at_rad: observation.joints_rad };
-                self.outputs.push(Output::Check(CheckJob::Check(unchecked)));
+                self.outputs.push(DispatcherOutput::Check(CheckJob::Check(unchecked)));
             }
             Err(refusal) if is_short => self.reply(requester, Err(refusal)),
             // The checking thread parses the id.
             Err(refusal) => {
                 let Requester { client, .. } = requester;
                 let job = CheckJob::Refuse { client, body, permit, refusal };
-                self.outputs.push(Output::Check(job));
+                self.outputs.push(DispatcherOutput::Check(job));
             }
         }
     }
@@ -150,15 +153,15 @@ impl<C> Dispatcher<C> {
         now: Instant,
     ) {
         let (kind, phase) = match task {
-            RunTask::Motions(_) => (DriveState::RunningMotion, Phase::Planning),
-            RunTask::Trajectory(_) => (DriveState::RunningTrajectory, Phase::Beginning),
+            RunTask::Motions(_) => (DriveState::RunningMotion, RunProgress::Planning),
+            RunTask::Trajectory(_) => (DriveState::RunningTrajectory, RunProgress::Beginning),
         };
         self.publish_run(run, kind, &label, None);
         let observation = self.observation.as_ref();
-        let running = Running::new(kind, phase, run, label, requester, observation);
+        let running = ActiveRun::new(kind, phase, run, label, requester, observation);
         self.stage = RunStage::Running(Box::new(running));
         tracing::info!("run {run}: {kind}");
-        self.outputs.push(Output::Fri(FriCommand::Publish(kind)));
+        self.outputs.push(DispatcherOutput::Fri(FriCommand::Publish(kind)));
         match task {
             RunTask::Motions(motions) => {
                 // The robot program refuses unknown keys, and does not use the sources.
@@ -167,7 +170,7 @@ impl<C> Dispatcher<C> {
             }
             RunTask::Trajectory(trajectory) => {
                 // First, so that the trajectory is pending before the session can command.
-                self.outputs.push(Output::Fri(FriCommand::Run(run, trajectory)));
+                self.outputs.push(DispatcherOutput::Fri(FriCommand::Run(run, trajectory)));
                 self.instruct(Instruction::RunTrajectory { run }, Purpose::Begin(run), now);
             }
         }

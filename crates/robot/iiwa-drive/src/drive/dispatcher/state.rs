@@ -10,8 +10,8 @@ use iiwa_fri::{Quality, Safety};
 use iiwa_link::{
     Published,
     message::{
-        Body, Code, DriveState, FriStatus, Id, Presence, Refusal, Reply, RobotIdentity, RunEnd,
-        RunEvent, RunLabel, Status,
+        Code, DriveState, DriveStatus, FriStatus, Id, Presence, Refusal, Reply, ReplyBody,
+        RobotIdentity, RunEnd, RunEvent, RunLabel,
     },
     robot_program::{Instruction, RunId, StateChange},
     transport::Permit,
@@ -22,12 +22,12 @@ use crate::drive::{
     events::{FriCommand, Observation, UnexpectedSource},
     instruction_queue::InstructionQueue,
     protocol::check_protocol,
-    run::Running,
+    run::ActiveRun,
     run_replies::{RunRecord, RunReply},
 };
 
 /// An output of the dispatcher.
-pub(in crate::drive) enum Output<C> {
+pub(in crate::drive) enum DispatcherOutput<C> {
     /// A reply to a client.
     Reply(C, String),
     /// A reply that another thread writes, because it may be long.
@@ -85,14 +85,14 @@ pub(in crate::drive) struct Dispatcher<C> {
     /// Time at which a run was abandoned that the robot program may have begun.
     pub(super) abandoned: Option<Instant>,
     pub(super) last_run: Option<Arc<RunRecord>>,
-    pub(super) outputs: Vec<Output<C>>,
+    pub(super) outputs: Vec<DispatcherOutput<C>>,
 }
 
 pub(super) enum RunStage<C> {
     Idle,
     /// A run is being parsed and checked.
     Checking(RunId, Requester<C>),
-    Running(Box<Running<Requester<C>>>),
+    Running(Box<ActiveRun<Requester<C>>>),
 }
 
 /// The purpose of an instruction.
@@ -145,7 +145,7 @@ impl<C> Dispatcher<C> {
     }
 
     /// Returns the outputs since the last call.
-    pub(in crate::drive) fn take_outputs(&mut self) -> Vec<Output<C>> {
+    pub(in crate::drive) fn take_outputs(&mut self) -> Vec<DispatcherOutput<C>> {
         std::mem::take(&mut self.outputs)
     }
 
@@ -158,7 +158,7 @@ impl<C> Dispatcher<C> {
         }
     }
 
-    pub(super) fn status(&self, now: Instant) -> Status {
+    pub(super) fn status(&self, now: Instant) -> DriveStatus {
         let state = self.drive_state(now);
         let fresh =
             self.observation.filter(|it| now.saturating_duration_since(it.at) <= FRI_TIMEOUT);
@@ -170,7 +170,7 @@ impl<C> Dispatcher<C> {
         fri.late = self.observation.map_or(0, |it| it.late);
         fri.unexpected_source = self.unexpected_source(now).map(|it| it.from);
         fri.safety_stop = fresh.is_some_and(|it| it.safety != Safety::Normal);
-        let mut status = Status::new(state, fri);
+        let mut status = DriveStatus::new(state, fri);
         status.robot = Some(self.robot.clone());
         status.joints_rad = self.observation.map(|it| it.joints_rad);
         status.t_s = self.observation.map(|it| it.t_s);
@@ -253,11 +253,15 @@ impl<C> Dispatcher<C> {
 
     pub(super) fn send_next(&mut self, now: Instant) {
         if let Some(instruction) = self.instructions.next(now) {
-            self.outputs.push(Output::Instruct(instruction));
+            self.outputs.push(DispatcherOutput::Instruct(instruction));
         }
     }
 
-    pub(super) fn reply(&mut self, requester: Requester<C>, result: Result<Option<Body>, Refusal>) {
+    pub(super) fn reply(
+        &mut self,
+        requester: Requester<C>,
+        result: Result<Option<ReplyBody>, Refusal>,
+    ) {
         let (error, body) = match result {
             Ok(body) => (None, body),
             Err(error) => (Some(error), None),
@@ -265,7 +269,7 @@ impl<C> Dispatcher<C> {
         let Requester { client, id } = requester;
         let reply = Reply { id: id.as_ref(), error: error.as_ref(), body: body.as_ref() };
         let text = reply.to_json();
-        self.outputs.push(Output::Reply(client, text));
+        self.outputs.push(DispatcherOutput::Reply(client, text));
     }
 
     /// Publishes the beginning or the end of a run.
@@ -278,11 +282,11 @@ impl<C> Dispatcher<C> {
     ) {
         let t_s = self.observation.map_or(0.0, |it| it.t_s);
         let event = RunEvent { t_s, run, kind, label: label.clone(), end };
-        self.outputs.push(Output::Publish(Published::Run(Box::new(event))));
+        self.outputs.push(DispatcherOutput::Publish(Published::Run(Box::new(event))));
     }
 
     pub(super) fn reply_run(&mut self, requester: Requester<C>, record: Arc<RunRecord>) {
         let Requester { client, id } = requester;
-        self.outputs.push(Output::RunReply(RunReply { client, id, record }));
+        self.outputs.push(DispatcherOutput::RunReply(RunReply { client, id, record }));
     }
 }

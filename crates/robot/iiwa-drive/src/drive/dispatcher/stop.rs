@@ -8,8 +8,8 @@ use iiwa_link::{
     robot_program::{Instruction, RunId},
 };
 
-use super::state::{Dispatcher, Output, Purpose, Requester, RunStage};
-use crate::drive::{events::FriCommand, run::Phase};
+use super::state::{Dispatcher, DispatcherOutput, Purpose, Requester, RunStage};
+use crate::drive::{events::FriCommand, run::RunProgress};
 
 /// Time-out of a stop: clients wait five seconds for the reply.
 const STOP_TIMEOUT: Duration = Duration::from_secs(4);
@@ -37,7 +37,7 @@ impl<C> Dispatcher<C> {
         self.stoppers.retain(|(requester, _)| !is_client(&requester.client));
         let waiting = match &self.stage {
             RunStage::Checking(_, requester) => Some(&requester.client),
-            RunStage::Running(running) if running.phase != Phase::Begun => {
+            RunStage::Running(running) if running.phase != RunProgress::Begun => {
                 Some(&running.requester.client)
             }
             _ => None,
@@ -60,13 +60,13 @@ impl<C> Dispatcher<C> {
                 }
             }
             // Not instructed to begin, so the robot program discards the motions by itself.
-            RunStage::Running(running) if running.phase == Phase::Planning => {
+            RunStage::Running(running) if running.phase == RunProgress::Planning => {
                 let run = running.run;
                 self.fail(run, before(), now);
             }
             RunStage::Running(running) if running.kind == DriveState::RunningTrajectory => {
                 // On its path, by set-points: the cabinet does not know the path.
-                self.outputs.push(Output::Fri(FriCommand::Stop));
+                self.outputs.push(DispatcherOutput::Fri(FriCommand::Stop));
             }
             RunStage::Running(_) => self.end_by(Instruction::Stop, now),
         }

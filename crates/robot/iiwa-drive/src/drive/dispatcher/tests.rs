@@ -13,7 +13,7 @@ use iiwa_link::{
 use iiwa_program::{Motion, Ptp};
 use serde_json::{Value, json};
 
-use super::{Dispatcher, IncomingRequest, Output};
+use super::{Dispatcher, DispatcherOutput, IncomingRequest};
 use crate::drive::{
     checks::{CheckJob, CheckResult, carry_out},
     events::{FriEvent, Observation},
@@ -140,14 +140,16 @@ impl DispatcherScene {
         let mut out = Vec::new();
         for output in self.dispatcher.take_outputs() {
             match output {
-                Output::Reply(client, text) => out.push(TestOutput::Reply(client, json(&text))),
-                Output::RunReply(reply) => {
+                DispatcherOutput::Reply(client, text) => {
+                    out.push(TestOutput::Reply(client, json(&text)))
+                }
+                DispatcherOutput::RunReply(reply) => {
                     out.push(TestOutput::Reply(reply.client, json(&reply.to_json())));
                 }
-                Output::Instruct(text) => out.push(TestOutput::Instruct(json(&text))),
-                Output::Reconnect => out.push(TestOutput::Reconnect),
-                Output::Check(job) => self.jobs.push(job),
-                Output::Fri(_) | Output::Publish(_) => {}
+                DispatcherOutput::Instruct(text) => out.push(TestOutput::Instruct(json(&text))),
+                DispatcherOutput::Reconnect => out.push(TestOutput::Reconnect),
+                DispatcherOutput::Check(job) => self.jobs.push(job),
+                DispatcherOutput::Fri(_) | DispatcherOutput::Publish(_) => {}
             }
         }
         out

@@ -5,12 +5,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iiwa_fri::{Client, Format, Monitoring, Quality, SessionState};
+use iiwa_fri::{Format, FriClient, Monitoring, Quality, SessionState};
 use iiwa_link::socket::is_timeout;
 
 use super::{
-    super::{DriveConfig, setpoints::Parameters},
-    step::Fault,
+    super::{DriveConfig, setpoints::SendParameters},
+    step::LinkFault,
 };
 
 /// Time-out of the first message.
@@ -35,7 +35,7 @@ pub(super) struct FriFindings {
 /// Receives and answers messages of `controller` until the session is ready or a time-out expires.
 pub(super) fn listen(udp: &UdpSocket, controller: IpAddr) -> FriFindings {
     let mut findings = FriFindings::default();
-    let mut client = Client::new(Format::V1);
+    let mut client = FriClient::new(Format::V1);
     let (mut buffer, mut answer) = ([0; 2048], Vec::new());
     let mut deadline = Instant::now() + FIRST_TIMEOUT;
     if udp.set_read_timeout(Some(POLL_INTERVAL)).is_err() {
@@ -92,15 +92,15 @@ impl FriFindings {
     }
 
     /// Checks that messages arrive.
-    pub(super) fn messages(&self, config: &DriveConfig) -> Result<String, Fault> {
+    pub(super) fn messages(&self, config: &DriveConfig) -> Result<String, LinkFault> {
         let (fri, expected) = (config.fri, config.fri_controller);
         match self.other {
             _ if self.has_arrived() => Ok(format!("they come from {expected}")),
-            Some(other) => Err(Fault::new(
+            Some(other) => Err(LinkFault::new(
                 format!("they come from {other}, expected {expected}: is {other} the controller?"),
                 &["fri-cabinet"],
             )),
-            None => Err(Fault::new(
+            None => Err(LinkFault::new(
                 format!(
                     "none arrives at UDP {fri} within {} s: in the settings of the robot program, \
                      the address of FRI's client has to be this machine's, and the port {}; a \
@@ -116,10 +116,10 @@ impl FriFindings {
     }
 
     /// Checks that messages can be decoded.
-    pub(super) fn version(&self) -> Result<String, Fault> {
+    pub(super) fn version(&self) -> Result<String, LinkFault> {
         match (&self.latest, &self.unreadable) {
             (Some(_), _) => Ok("as FRI 1.14 to 1.16".to_owned()),
-            (None, reason) => Err(Fault::new(
+            (None, reason) => Err(LinkFault::new(
                 format!(
                     "the messages cannot be read ({}): FRI 1.14 to 1.16 are supported; which one \
                      has the cabinet?",
@@ -131,23 +131,23 @@ impl FriFindings {
     }
 
     /// Checks that the send period permits commanding.
-    pub(super) fn period(&self) -> Result<String, Fault> {
+    pub(super) fn period(&self) -> Result<String, LinkFault> {
         let Some(latest) = &self.latest else { return Ok(String::new()) };
         let (period_ms, multiplier) = (latest.send_period_ms, latest.receive_multiplier);
-        match Parameters::of(latest).check() {
+        match SendParameters::of(latest).check() {
             Ok(()) if multiplier > 1 => {
                 Ok(format!("{period_ms} ms, with an answer every {multiplier} messages"))
             }
             Ok(()) => Ok(format!("{period_ms} ms")),
             Err(refusal) => {
                 let text = format!("{refusal}; motions can run, trajectories cannot");
-                Err(Fault::new(text, &[]))
+                Err(LinkFault::new(text, &[]))
             }
         }
     }
 
     /// Checks that the session is ready for commanding.
-    pub(super) fn session(&self) -> Result<String, Fault> {
+    pub(super) fn session(&self) -> Result<String, LinkFault> {
         let Some(latest) = &self.latest else { return Ok(String::new()) };
         let session = format!("{}, quality {}", latest.session.name(), latest.quality.name());
         if self.is_ready() {
@@ -159,6 +159,6 @@ impl FriFindings {
              machine busy? Try a longer send period",
             SESSION_TIMEOUT.as_secs()
         );
-        Err(Fault::new(text, &[]))
+        Err(LinkFault::new(text, &[]))
     }
 }

@@ -56,12 +56,12 @@ impl CheckStep {
 }
 
 /// A fault, and the settings that may be wrong.
-pub(super) struct Fault {
+pub(super) struct LinkFault {
     pub(super) text: String,
     pub(super) settings: &'static [&'static str],
 }
 
-impl Fault {
+impl LinkFault {
     pub(super) fn new(text: impl Into<String>, settings: &'static [&'static str]) -> Self {
         Self { text: text.into(), settings }
     }
