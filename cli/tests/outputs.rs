@@ -13,6 +13,7 @@ const PROGRAM: &str = r#"{
     "motions": [{ "type": "ptp", "joints_deg": [10, 30, 0, -60, 0, 90, 0] }]
 }"#;
 
+#[expect(clippy::unwrap_used, reason = "a test fails by it")]
 fn with_program() -> tempfile::TempDir {
     let folder = tempdir().unwrap();
     fs::write(folder.path().join("go.json"), PROGRAM).unwrap();

@@ -2,7 +2,7 @@
 
 use std::{fmt::Write as _, path::Path};
 
-use comfy_table::Cell;
+use comfy_table::{Cell, Table};
 use iiwa_eval::{Comparison, Deviation, MotionTime, PlannedTrajectory, StopTime, TorqueDifference};
 use iiwa_json::printable;
 use iiwa_log::{CycleClock, JointLog, Loss};
@@ -263,13 +263,12 @@ impl ComparisonReport {
         (!missed.is_empty()).then(|| missed.join("; "))
     }
 
-    /// Formats the report as tables and sentences.
-    #[must_use]
-    pub fn text(&self) -> String {
+    /// Formats the table of motions. Unknown times are shown as `?`.
+    fn motion_table(&self) -> Table {
         let head = ["motion", "type", "planned s", "measured s", "error s", "error %"];
         let mut motions = table(&head);
         shortened(&mut motions, &self.motions, |table, row| {
-            // Unknown times are shown as `?`; a zero time has no relative error.
+            // A zero time has no relative error.
             let (real_s, error_s, percent) = match (row.real_s, row.error_s) {
                 (Some(real_s), Some(error_s)) => (
                     format!("{:.3}", rounded(real_s, 3)),
@@ -287,7 +286,13 @@ impl ComparisonReport {
                 Cell::new(percent),
             ]);
         });
-        let mut text = format!("{motions}\n\n");
+        motions
+    }
+
+    /// Formats the report as tables and sentences.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!("{}\n\n", self.motion_table());
         if self.motions.iter().any(|row| row.real_s.is_none() || row.error_s.is_none()) {
             text.push_str(UNKNOWN);
         }

@@ -141,7 +141,7 @@ impl DispatcherScene {
         for output in self.dispatcher.take_outputs() {
             match output {
                 DispatcherOutput::Reply(client, text) => {
-                    out.push(TestOutput::Reply(client, json(&text)))
+                    out.push(TestOutput::Reply(client, json(&text)));
                 }
                 DispatcherOutput::RunReply(reply) => {
                     out.push(TestOutput::Reply(reply.client, json(&reply.to_json())));
