@@ -185,9 +185,7 @@ def ambiguous(files: list[str]) -> Iterator[tuple[str, str, int, str]]:
                 first.setdefault(type_name, (name, number))
     for type_name, found in crates.items():
         same = {
-            crate
-            for names in SAME_MEANING.values()
-            for crate in names.get(type_name, "").split()
+            crate for names in SAME_MEANING.values() for crate in names.get(type_name, "").split()
         }
         # Crates of one meaning count as one crate.
         if len(found - same) + bool(found & same) > 1:

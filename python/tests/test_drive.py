@@ -538,8 +538,10 @@ def answering(text: bytes) -> Iterator[Drive]:
         b'{"ok": true}',
         b'{"ok": false}',
         b'{"ok": false, "error": "no"}',
-        b'{"ok": true, "state": "idle", "joints_rad": [1], "t_s": 1, "robot_program": "silent", '
-        b'"fri": {}}',
+        (
+            b'{"ok": true, "state": "idle", "joints_rad": [1], "t_s": 1, "robot_program": "silent", '
+            b'"fri": {}}'
+        ),
         b'{"ok": true, "samples": {"t_s": [1], "joints_rad": [[1]]}}',
         b"[" * 100_000,
     ],

@@ -136,8 +136,10 @@ def test_options_of_plans() -> None:
     [
         ("{", 1, None, "ends too early"),
         (
-            '{"version": 1,\n "start": {"joints_deg": [0,0,0,0,0,0,0]},\n "motions": [{"type": '
-            '"hop"}]}',
+            (
+                '{"version": 1,\n "start": {"joints_deg": [0,0,0,0,0,0,0]},\n "motions": [{"type": '
+                '"hop"}]}'
+            ),
             3,
             1,
             "hop",

@@ -127,7 +127,7 @@ class KafkaBroker(Broker):
     def passwords(self) -> dict[str, str]:
         """Users of PLAIN; the users of SCRAM are written by `format`."""
         plain = (
-            f'org.apache.kafka.common.security.plain.PlainLoginModule required '
+            f"org.apache.kafka.common.security.plain.PlainLoginModule required "
             f'user_{USER}="{PASSWORD}";'
         )
         scram = "org.apache.kafka.common.security.scram.ScramLoginModule required;"

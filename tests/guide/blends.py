@@ -97,9 +97,7 @@ def main(binary, output):
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 960 380" font-size="14" '
         "font-family=\"system-ui, 'Segoe UI', Helvetica, Arial, sans-serif\">\n"
         f'<style>{style}</style>\n<rect class="ground" x=".5" y=".5" width="959" height="379" '
-        f'rx="10"/>\n'
-        + "\n".join(out + labels)
-        + "\n</svg>\n"
+        f'rx="10"/>\n' + "\n".join(out + labels) + "\n</svg>\n"
     )
 
 

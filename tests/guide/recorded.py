@@ -145,13 +145,19 @@ def main(binary, log, override, number, output):
             f'y="{zero - height + 4}">{top / 1.05:.0f} {unit}</text>'
         )
     labels += [
-        f'<text class="head" x="24" y="28">A PTP motion of {length:.0f} deg along its line, '
-        f'override {override} %</text>',
+        (
+            f'<text class="head" x="24" y="28">A PTP motion of {length:.0f} deg along its line, '
+            f"override {override} %</text>"
+        ),
         '<circle cx="560" cy="24" r="3"/><text x="572" y="28">recorded</text>',
-        f'<rect x="660" y="22" width="22" height="4" fill="{COLOURS["sunrise"]}"/><text x="690" '
-        f'y="28">plan</text>',
-        f'<rect x="750" y="22" width="22" height="4" fill="{COLOURS["jerk"]}"/><text x="780" '
-        f'y="28">plan, --timing jerk</text>',
+        (
+            f'<rect x="660" y="22" width="22" height="4" fill="{COLOURS["sunrise"]}"/><text x="690" '
+            f'y="28">plan</text>'
+        ),
+        (
+            f'<rect x="750" y="22" width="22" height="4" fill="{COLOURS["jerk"]}"/><text x="780" '
+            f'y="28">plan, --timing jerk</text>'
+        ),
         f'<text x="930" y="640" text-anchor="end">{whole:.1f} s</text>',
     ]
     style = (
@@ -163,9 +169,7 @@ def main(binary, log, override, number, output):
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 960 660" font-size="14" '
         "font-family=\"system-ui, 'Segoe UI', Helvetica, Arial, sans-serif\">\n"
         f'<style>{style}</style>\n<rect class="ground" x=".5" y=".5" width="959" height="659" '
-        f'rx="10"/>\n'
-        + "\n".join(out + labels)
-        + "\n</svg>\n"
+        f'rx="10"/>\n' + "\n".join(out + labels) + "\n</svg>\n"
     )
 
 

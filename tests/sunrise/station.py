@@ -192,14 +192,18 @@ class Station:
         }
         return [
             "<additionalInformation>",
-            f'  <info base="World" device="{ROBOT}" tcpName="{tcp}" '
-            f'type="{PACKAGE}.persistenceModel.TeachInformation">',
+            (
+                f'  <info base="World" device="{ROBOT}" tcpName="{tcp}" '
+                f'type="{PACKAGE}.persistenceModel.TeachInformation">'
+            ),
             f"    {pose_line(self.tcp(frame.tcp), 'tcpTransformation')}",
             "  </info>",
             "</additionalInformation>",
             "<redundancyData>",
-            f'  <redundancy transformationProviderName="Cabinet/{ROBOT}" '
-            f'type="{kind}.LBRE1Redundancy">',
+            (
+                f'  <redundancy transformationProviderName="Cabinet/{ROBOT}" '
+                f'type="{kind}.LBRE1Redundancy">'
+            ),
             *[
                 f'    <info type="{kind}.{name}" value="{value}"/>'
                 for name, value in values.items()

@@ -3,7 +3,7 @@
 
 #![no_main]
 
-use iiwa_fri::{FriClient, Controller, Format, Reading};
+use iiwa_fri::{Controller, Format, FriClient, Reading};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -10,7 +10,7 @@ use std::{
 };
 
 use iiwa_kin::{Joints, Robot, RosNames, RosStack};
-use iiwa_link::message::{DriveState, FriStatus, IoValue, Presence, Sensors, DriveStatus};
+use iiwa_link::message::{DriveState, DriveStatus, FriStatus, IoValue, Presence, Sensors};
 use iiwa_log::{Arm, Encoder, FramePose, Topic};
 use iiwasim_tests::{child_processes, ports::free_address};
 use serde_json::{Value, json};
