@@ -378,7 +378,7 @@ impl PassingTimes {
             (Some((leg, leaves, _)), None) => leaves.map(|t_s| t_s + plan_s - leg.start_s),
             (Some((leg, leaves, _)), Some((before, _, arrives))) => {
                 if same(leg.start_s) {
-                    // Two legs meet if there is no settle time.
+                    // Without settle time, two legs meet.
                     return if starts || !same(before.end_s) { *leaves } else { *arrives };
                 }
                 let t_s = (*arrives)? + plan_s - before.end_s;

@@ -6,7 +6,7 @@ impl Robot {
     /// Shapes of link 0 to link 7, each in its link frame, in m.
     ///
     /// The shapes of [`Robot::to_urdf`], in the frames of [`Robot::link_poses`]. Neighbouring
-    /// shapes of a limb overlap. There is no tool: link 7 ends at the flange face.
+    /// shapes of a limb overlap. Without a tool, link 7 ends at the flange face.
     ///
     /// ```
     /// use iiwa_kin::{Robot, Solid};

@@ -37,7 +37,7 @@ pub(crate) struct Attempt {
 }
 
 /// Cells whose limits were tightened, in order, and the largest share of a limit found in them; 0
-/// if there are no such cells.
+/// without such cells.
 #[derive(Default)]
 struct Lowered {
     cells: Vec<usize>,

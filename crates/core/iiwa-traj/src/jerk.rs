@@ -56,7 +56,7 @@ pub(crate) struct Pieces<'a> {
     /// State at the start and at the end: the squared speed along the path (rad^2/s^2) and its
     /// derivative by the way (rad/s^2); none at rest.
     pub(crate) ends: [Option<[f64; 2]>; 2],
-    /// Further limits of each piece of the section; empty if there are none.
+    /// Further limits of each piece of the section, if any.
     pub(crate) limits: &'a [StepLimits],
 }
 

@@ -113,7 +113,7 @@ pub(crate) struct Moves<'a> {
     pub(crate) steps: Range<usize>,
     /// Squared path speeds |dq/dt|^2 at the start and at the end, in rad^2/s^2; none at rest.
     pub(crate) ends: [Option<f64>; 2],
-    /// Further limits of each of the steps; empty if there are none.
+    /// Further limits of each of the steps, if any.
     pub(crate) limits: &'a [StepLimits],
 }
 

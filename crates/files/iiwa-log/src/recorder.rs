@@ -55,7 +55,7 @@ pub fn is_recording(head: &[u8]) -> bool {
     library.is_none_or(|library| !library.starts_with("iiwa-log/") || library.ends_with(RECORDS))
 }
 
-/// Checksum of an incomplete data section: 0 means that there is no checksum.
+/// Checksum of an incomplete data section: 0 if a checksum is missing.
 const NO_CRC: u32 = 0;
 
 /// Writes joint positions into an MCAP file as they arrive, for hours and at up to 1 kHz.

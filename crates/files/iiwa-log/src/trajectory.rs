@@ -131,7 +131,7 @@ impl TrajectoryMessage {
         self.count as usize
     }
 
-    /// Returns true if there are no points yet.
+    /// Returns true before the first point.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count == 0

@@ -40,7 +40,7 @@ fn program(text: &str) -> Result<Box<IiwasimProgram>, IiwasimStatus> {
 
 fn plan(program: &IiwasimProgram) -> Result<Box<IiwasimPlan>, IiwasimStatus> {
     let mut plan = MaybeUninit::uninit();
-    // SAFETY: there are no options.
+    // SAFETY: the options are null.
     let status = unsafe { iiwasim_plan(Some(program), None, Some(&mut plan)) };
     // SAFETY: the function always writes it.
     let plan = unsafe { plan.assume_init() };

@@ -41,7 +41,7 @@ pub struct IdentificationReport {
     kappa: Option<KappaFigure>,
     /// 0 if blends begin and end at equal distances (Larsen 2019, Algorithm 3), 1 if they do not.
     unequal_share: Option<Figure>,
-    /// TCP paths; null if there are none.
+    /// TCP paths, if any.
     tcp: Option<TcpFigures>,
     /// Load and friction; null if no recording has torques.
     torques: Option<TorqueResults>,

@@ -3,7 +3,7 @@
 //!
 //! - `motions`: the type of each motion, and values of its keys as in a program; `robot` and
 //!   `flange_mm` likewise,
-//! - `notes_contain`: a part of each note; an empty list if there are no notes,
+//! - `notes_contain`: a part of each note; an empty list for no notes,
 //! - `asks`: `asked = answer` of each question in order, except for the robot, its flange and its
 //!   start,
 //! - or `refused`, with `file`, `line` and `reason_contains`,

@@ -31,7 +31,7 @@ struct Departure {
 }
 
 impl Departure {
-    /// Reads stamps: distances from rest in rad, and squared speeds. None if there is no motion.
+    /// Reads stamps: distances from rest in rad, and squared speeds. None without motion.
     fn new(stamps: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
         let (mut stamp, mut ramp) = ([0.0; 2], None);
         for [way_rad, x] in stamps {

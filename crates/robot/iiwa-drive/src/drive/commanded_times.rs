@@ -41,7 +41,7 @@ impl CommandedTimes {
     }
 
     /// Returns true if at least `messages` messages have the current value, or if the messages
-    /// contain no commanded positions: then there is no end to wait for.
+    /// contain no commanded positions: then no end is awaited.
     pub(super) fn is_unchanged_for(&self, messages: u32) -> bool {
         self.held.is_none() || self.unchanged >= messages
     }
