@@ -40,7 +40,7 @@ const READ_BYTES: std::ops::RangeInclusive<usize> = 64 * 1024..=1024 * 1024;
 pub struct Reader<R> {
     stream: R,
     mcap: LinearReader,
-    chunk: Chunk,
+    chunk: ReadChunk,
     content: ReaderState,
     offset: u64,
     /// Last bytes read, up to twice the length of the magic bytes.
@@ -72,7 +72,7 @@ impl<R: Read> Reader<R> {
         Self {
             stream,
             mcap: LinearReader::new_with_options(options),
-            chunk: Chunk::default(),
+            chunk: ReadChunk::default(),
             content: ReaderState::default(),
             offset: 0,
             end: Vec::new(),
@@ -194,13 +194,13 @@ fn keep_end(end: &mut Vec<u8>, read: &[u8]) -> bool {
 
 /// Records of the current chunk, unpacked.
 #[derive(Debug, Default)]
-struct Chunk {
+struct ReadChunk {
     records: Vec<u8>,
     /// Start of the next record.
     next: usize,
 }
 
-impl Chunk {
+impl ReadChunk {
     /// Unpacks the content of a chunk record.
     fn load(&mut self, data: &[u8]) -> Result<(), McapError> {
         let too_large = McapError::RecordTooLarge { opcode: op::CHUNK, len: data.len() as u64 };
