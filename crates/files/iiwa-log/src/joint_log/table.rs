@@ -19,7 +19,7 @@ pub(super) fn read<R: Read>(
     stream: R,
     options: LogOptions,
 ) -> Result<JointLog, JointLogError> {
-    let Header { line: header_line, text: header, end: data } = header(head)?;
+    let TableHeader { line: header_line, text: header, end: data } = header(head)?;
     let delimiter = [b';', b'\t', b','].into_iter().find(|d| header.contains(d)).unwrap_or(b' ');
     let layout = Layout { spaces: delimiter == b' ' };
     let columns = Columns::new(header_line, names(header, delimiter, layout)?, options)?;
@@ -60,7 +60,7 @@ pub(super) fn read<R: Read>(
 }
 
 /// Line of column names.
-struct Header<'a> {
+struct TableHeader<'a> {
     /// Number of the line, from 1.
     line: u64,
     text: &'a [u8],
@@ -70,7 +70,7 @@ struct Header<'a> {
 
 /// Returns the first line that is neither blank, nor a comment, nor Excel's `sep=`. The header may
 /// be a comment itself, as MATLAB and numpy write it: then a line of numbers follows.
-fn header(head: &[u8]) -> Result<Header<'_>, JointLogError> {
+fn header(head: &[u8]) -> Result<TableHeader<'_>, JointLogError> {
     let unknown = |found: String| Err(JointLogError::Unknown { found });
     if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
         return unknown("text in UTF-16: save it as UTF-8".to_owned());
@@ -93,7 +93,7 @@ fn header(head: &[u8]) -> Result<Header<'_>, JointLogError> {
         let text = comment.unwrap_or(text).trim_ascii_start();
         let is_text = text.iter().all(|byte| !byte.is_ascii_control() || *byte == b'\t');
         if is_text && text.len() < HEAD_BYTES {
-            return Ok(Header { line, text, end });
+            return Ok(TableHeader { line, text, end });
         }
         return unknown(format!("`{}`", shown(text)));
     }
