@@ -554,7 +554,7 @@ fn a_urdf_without_its_meshes_is_refused() {
     refused(&urdf_with(&Robot::lbr_iiwa_14_r820(), "wedge.obj"), &[], "axis of joint 2");
     iiwasim(&folder, &["plan", fixture("appendix-b.json").to_str().unwrap(), "--urdf", "arm.urdf"])
         .code(2)
-        .stderr(contains("needs a --scene"));
+        .stderr(contains("needs --scene"));
     // The URDF is not overwritten.
     iiwasim(&folder, &["report", "plan.mcap", "--urdf", "arm.urdf", "-o", "arm.urdf"]).code(2);
 }
