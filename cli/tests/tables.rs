@@ -242,7 +242,7 @@ fn only_files_of_the_same_kind_are_replaced() {
     let folder = tempdir().unwrap();
     let program = fixture("appendix-b.json").display().to_string();
     let path = |name: &str| folder.path().join(name);
-    fs::write(path("hand.json"), "{ \"version\": 1 }").unwrap();
+    fs::write(path("hand.txt"), "{ \"version\": 1 }").unwrap();
     let recorded = {
         let storage = std::io::Cursor::new(Vec::new());
         let robot = iiwa_kin::Robot::default();
@@ -251,26 +251,26 @@ fn only_files_of_the_same_kind_are_replaced() {
         recorder.sample(std::time::Duration::ZERO, &[0.0; 7]).unwrap();
         recorder.finish(&std::collections::BTreeMap::new(), &[]).unwrap().into_inner()
     };
-    fs::write(path("recorded.mcap"), &recorded).unwrap();
-    let table = ["--no-output", "--csv", "hand.json"];
+    fs::write(path("recorded.bag"), &recorded).unwrap();
+    let table = ["--no-output", "--csv", "hand.txt"];
     for arguments in [
-        &["-o", "hand.json"][..],
-        &["-o", "recorded.mcap"],
+        &["-o", "hand.txt"][..],
+        &["-o", "recorded.bag"],
         &table,
-        &["--no-output", "--csv", "recorded.mcap"],
+        &["--no-output", "--csv", "recorded.bag"],
     ] {
         iiwasim(&folder, &[&["plan", &program], arguments].concat())
             .code(2)
             .stderr(contains("exists and is not a").and(contains("it is kept")));
     }
     iiwasim(&folder, &["plan", &program, "-o", "plan.mcap"]).success();
-    for page in ["hand.json", "recorded.mcap"] {
+    for page in ["hand.txt", "recorded.bag"] {
         iiwasim(&folder, &["report", "plan.mcap", "-o", page])
             .code(2)
             .stderr(contains("is not a page"));
     }
-    assert_eq!(fs::read(path("recorded.mcap")).unwrap(), recorded);
-    assert_eq!(fs::read_to_string(path("hand.json")).unwrap(), "{ \"version\": 1 }");
+    assert_eq!(fs::read(path("recorded.bag")).unwrap(), recorded);
+    assert_eq!(fs::read_to_string(path("hand.txt")).unwrap(), "{ \"version\": 1 }");
     // Repeated runs overwrite their own files.
     for _ in 0..2 {
         let pictures = ["--picture", "a.svg", "--csv", "a.csv"];

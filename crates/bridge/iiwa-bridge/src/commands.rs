@@ -10,7 +10,7 @@
 //! A command is refused if the bridge does not accept commands, if the command is malformed or too
 //! long, if `at` is not within [`MAX_AGE`] of the bridge clock, or if its `id` has been seen
 //! before; broker connections refuse further commands because of their delivery
-//! ([`CommandGate::refuse`]). The drive checks and executes accepted commands. The reply contains
+//! ([`CommandGate::reject`]). The drive checks and executes accepted commands. The reply contains
 //! the `id`.
 
 mod envelope;

@@ -397,7 +397,7 @@ impl Robot {
     ///
     /// ```
     /// let robot = iiwa_kin::Robot::lbr_iiwa_14_r820();
-    /// let assumed: Vec<_> = robot.assumptions().iter().map(|a| a.what.as_str()).collect();
+    /// let assumed: Vec<_> = robot.assumptions().iter().map(|a| a.quantity.as_str()).collect();
     /// assert_eq!(assumed, ["acceleration", "jerk", "masses", "ramps"]);
     /// ```
     #[must_use]

@@ -60,7 +60,7 @@ impl std::fmt::Debug for Client {
 /// let mut client = Client::new(&Remote::open(), "tcp://127.0.0.1:5560")?;
 /// match client.stop() {
 ///     Ok(()) => println!("the arm is at rest"),
-///     Err(ClientError::Unreachable { at }) => println!("no drive at {at}"),
+///     Err(ClientError::Unreachable { address }) => println!("no drive at {address}"),
 ///     Err(error) => println!("{}: {error}", error.code()),
 /// }
 /// # Ok::<(), iiwa_link::LinkError>(())

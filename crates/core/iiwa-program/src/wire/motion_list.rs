@@ -22,7 +22,7 @@ impl MotionList {
     /// let text = r#"{ "tools": { "gripper": { "tcp": { "z_mm": 120 } } }, "tool": "griper",
     ///                 "motions": [{ "type": "lin_rel", "offset": { "z_mm": -50 } }] }"#;
     /// let error = MotionList::from_json(text).unwrap_err();
-    /// assert_eq!(error.what(), "unknown tool `griper`; did you mean `gripper`?");
+    /// assert_eq!(error.message(), "unknown tool `griper`; did you mean `gripper`?");
     /// assert_eq!((error.place().line, error.place().column), (1, 63));
     /// ```
     ///

@@ -97,8 +97,8 @@ impl fmt::Display for Loss {
             ),
             Self::RadiansAssumed => write!(
                 f,
-                "the column names state no unit: positions are read as radians (names such as \
-                 joint_1_deg, or --unit deg, state degrees)"
+                "the column names state no unit: positions are read as radians; names such as \
+                 joint_1_deg state degrees"
             ),
             Self::LastLine { line } => write!(
                 f,
