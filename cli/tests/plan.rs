@@ -308,7 +308,6 @@ fn inputs_are_not_overwritten() {
     for (arguments, message) in [
         (&[][..], replaced),
         (&["-o", "./a.mcap"], replaced),
-        (&["-o", "b.svg", "--picture", "b.svg"], replaced),
         (&["--no-output", "--picture", "a.mcap"], "pictures are written as .svg"),
     ] {
         plan(&folder, input, arguments).code(2).stderr(contains(message));
