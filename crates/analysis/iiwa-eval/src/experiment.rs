@@ -1,6 +1,6 @@
 //! Programs of the experiments of the thesis (Larsen 2019, sections 4.2 and 5.1.2, Appendices A, B
-//! and C), and of two further ones: [`tcp_blends()`], about TCP motions, and [`load`](load()), about
-//! the effect of a payload. The thesis names both as future work.
+//! and C), and of two further ones: [`tcp_blends()`], about TCP motions, and [`load`](load()),
+//! about the effect of a payload. The thesis names both as future work.
 //!
 //! Random programs are reproducible by their seed. All programs keep the flange above the plane of
 //! the robot base; other obstacles are not considered.
