@@ -6,7 +6,7 @@ use std::{
     sync::atomic::Ordering,
 };
 
-use iiwa_files::{Output, folder_of, interrupt};
+use iiwa_files::{Output, destination, interrupt};
 
 use crate::{failure::Failure, output_kind::OutputKind};
 
@@ -44,13 +44,7 @@ pub(crate) fn keep_existing(kind: OutputKind, path: &Path, overwrite: bool) -> R
 
 /// Returns true if two paths lead to the same file, which need not exist yet.
 pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
-    let real = |path: &Path| {
-        path.canonicalize().or_else(|_| {
-            let folder = folder_of(path).canonicalize()?;
-            Ok::<_, io::Error>(folder.join(path.file_name().unwrap_or_default()))
-        })
-    };
-    a == b || real(a).is_ok_and(|a| real(b).is_ok_and(|b| a == b))
+    a == b || destination(a).is_ok_and(|a| destination(b).is_ok_and(|b| a == b))
 }
 
 /// Rejects an output at `target` whose name does not fit its kind, or that would replace one of the

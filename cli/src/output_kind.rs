@@ -103,7 +103,9 @@ impl OutputKind {
     /// Rejects a path with a file of another kind. Files that are computed again from their inputs
     /// replace files of their kind without asking.
     pub(crate) fn check_existing(self, path: &Path) -> Result<(), Failure> {
-        let Ok(content) = head(path) else { return Ok(()) };
+        let content = head(path).map_err(|error| {
+            Failure::input(format!("cannot read {}, which is kept: {error}", path.display()))
+        })?;
         if content.is_empty() || self.begins(&content) {
             return Ok(());
         }

@@ -481,7 +481,8 @@ def test_recordings_and_what_they_show_are_pickled(tmp_path: Path) -> None:
     plan.write(tmp_path / "plan.mcap")
     table = tmp_path / "broken-off.csv"
     row = ",0,0,0,0,0,0,0"
-    table.write_text(f"t_s,q1,q2,q3,q4,q5,q6,q7\n0{row}\n0.01{row}\n0.02{row}\n0.9{row}\n0.91,0")
+    names = ",".join(f"q{joint}_rad" for joint in range(1, 8))
+    table.write_text(f"t_s,{names}\n0{row}\n0.01{row}\n0.02{row}\n0.9{row}\n0.91,0")
     for file in (tmp_path / "plan.mcap", FIXTURES / "data-recorder.log", table):
         recording = iw.Recording.load(file)
         again = copied(recording)

@@ -78,6 +78,10 @@ pub(super) fn run(options: &Plan, given: &[PathBuf]) -> Result<(), Failure> {
 
 /// Creates the folder for the trajectories, unless it exists.
 fn make_folder(folder: &Path) -> Result<(), Failure> {
+    if folder == Path::new("-") {
+        let message = "the trajectories cannot be written to standard output (-): name a folder";
+        return Err(Failure::input(message));
+    }
     if folder.exists() && !folder.is_dir() {
         return Err(Failure::input(format!(
             "{} is not a folder; of many programs, --output names one",

@@ -7,6 +7,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use iiwa_files::destination;
+
 use crate::{args::Plan, failure::Failure, file_kind::JsonKind};
 
 use super::target::{file_name, is_stdin};
@@ -122,7 +124,7 @@ fn distinct<'a>(
     for PlanJob { program, target } in jobs {
         let Some(target) = target else { continue };
         // Writing to a link replaces its target.
-        let file = target.canonicalize().unwrap_or_else(|_| target.clone());
+        let file = destination(target).unwrap_or_else(|_| target.clone());
         if let Some(read) = read.get(&file) {
             return Err(Failure::input(format!(
                 "the trajectory of {} would be written over {}; name another folder with --output",

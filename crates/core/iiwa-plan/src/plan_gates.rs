@@ -36,7 +36,7 @@ impl PlanGates {
         let cycle_time_s = figures.cycle_time_s;
         let too_long = self
             .max_cycle_time_s
-            .filter(|limit| rounded(cycle_time_s, 3) > *limit)
+            .filter(|limit| is_above(cycle_time_s, *limit, 3))
             .map(|limit| format!("takes {cycle_time_s:.3} s, more than {limit} s"));
         let too_near = self.min_clearance_mm.and_then(|limit_mm| {
             let scene = figures.clearance.as_ref().and_then(|it| too_near(limit_mm, it));
@@ -44,7 +44,7 @@ impl PlanGates {
         });
         let overloaded = self.max_torque_percent.and_then(|limit| {
             let LargestTorque { motion, joint, percent, at_s, .. } = figures.largest_torque()?;
-            (rounded(percent, 1) > limit).then(|| {
+            is_above(percent, limit, 1).then(|| {
                 format!(
                     "needs {percent:.1} % of {joint}'s torque, more than {limit} %: motion \
                      {motion} at {at_s:.3} s"
@@ -66,11 +66,11 @@ impl UnmetGates {
     }
 }
 
-/// Rounds to the decimals that messages print, which is the promised precision: a value that prints
-/// as its limit meets the limit.
-fn rounded(value: f64, decimals: i32) -> f64 {
-    let unit = 10_f64.powi(decimals);
-    (value * unit).round() / unit
+/// Returns true if a value is beyond an upper limit, and is also printed so: the printed decimals
+/// are the promised precision.
+fn is_above(value: f64, limit: f64, decimals: usize) -> bool {
+    let printed = format!("{value:.decimals$}").parse().unwrap_or(value);
+    value > limit && printed > limit
 }
 
 /// Message of a clearance below the limit, if it is. Contact fails any limit, including 0.
@@ -80,7 +80,7 @@ fn too_near(limit_mm: f64, nearest: &ClearanceRecord) -> Option<String> {
     let place = format!("{} at {at_s:.3} s", part_name(*link));
     if *distance_mm == 0.0 {
         Some(format!("touches {obstacle}: {place}"))
-    } else if rounded(*distance_mm, 1) < limit_mm {
+    } else if is_above(-distance_mm, -limit_mm, 1) {
         Some(format!(
             "comes within {distance_mm:.1} mm of {obstacle}, less than {limit_mm} mm: {place}"
         ))

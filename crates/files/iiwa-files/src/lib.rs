@@ -13,6 +13,6 @@ mod output_folder;
 mod repetition;
 
 pub use beside::{NotBeside, beside, folder_of};
-pub use output::{Output, OutputError, OutputStream};
+pub use output::{Output, OutputError, OutputStream, destination};
 pub use output_folder::write_folder;
 pub use repetition::Repetition;

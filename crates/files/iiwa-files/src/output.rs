@@ -42,6 +42,9 @@ pub struct Output {
     _lock: Option<File>,
 }
 
+/// Maximum number of symbolic links that are followed, as in Linux.
+const MAX_LINKS: usize = 40;
+
 /// Naming of files under construction.
 const PART: TemporaryName =
     TemporaryName { prefix: ".iiwasim-", suffix: ".part", is_folder: false };
@@ -55,12 +58,12 @@ impl Output {
     /// or if the temporary file cannot be created.
     pub fn new(path: &Path) -> Result<Self, OutputError> {
         let to_error = |error: io::Error| OutputError::new(path, error);
-        let folder = path.parent().unwrap_or(Path::new(""));
-        if !folder.as_os_str().is_empty() && !folder.exists() {
+        let real = destination(path).map_err(to_error)?;
+        let folder = folder_of(&real);
+        if !folder.exists() {
             let message = format!("no such folder: {}", folder.display());
             return Err(to_error(io::Error::other(message)));
         }
-        let real = destination(path);
         let existing = real.metadata();
         match &existing {
             Ok(kind) if kind.is_dir() => {
@@ -71,8 +74,6 @@ impl Output {
             }
             _ => {}
         }
-        let folder = real.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let folder = folder.unwrap_or(Path::new("."));
         let make = |name: &mut tempfile::Builder<'_, '_>| {
             #[cfg(unix)]
             {
@@ -144,16 +145,26 @@ impl Output {
     }
 }
 
-/// Returns the path that a symbolic link leads to, which need not exist: the target of a link is
-/// replaced, not the link.
-fn destination(path: &Path) -> PathBuf {
+/// Returns the path that an output at `path` is written to, which need not exist: the target of a
+/// symbolic link is replaced, not the link. Equal files have equal paths.
+///
+/// # Errors
+///
+/// Links that lead in a circle.
+pub fn destination(path: &Path) -> io::Result<PathBuf> {
     let mut real = path.to_owned();
-    // Links that lead in a circle are not followed for ever.
-    for _ in 0..40 {
-        let Ok(target) = real.read_link() else { break };
-        real = folder_of(&real).join(target);
+    for _ in 0..MAX_LINKS {
+        match real.read_link() {
+            Ok(target) => real = folder_of(&real).join(target),
+            Err(_) => {
+                let in_folder = |folder: PathBuf| folder.join(real.file_name().unwrap_or_default());
+                let there = real.canonicalize();
+                let there = there.or_else(|_| folder_of(&real).canonicalize().map(in_folder));
+                return Ok(there.unwrap_or(real));
+            }
+        }
     }
-    real.canonicalize().unwrap_or(real)
+    Err(io::Error::other("its symbolic links lead in a circle"))
 }
 
 /// Stream into the file that fails after an interrupt.
@@ -210,13 +221,16 @@ mod tests {
             output.write(content.as_bytes()).unwrap();
             output.complete().unwrap();
             assert!(link.is_symlink());
+            assert_eq!(destination(&link).unwrap(), destination(&file).unwrap());
             assert_eq!(std::fs::read_to_string(&file).unwrap(), content);
             std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o600)).unwrap();
         }
-        drop(Output::new(&file).unwrap());
         let output = Output::new(&file).unwrap();
         output.complete().unwrap();
         assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+        let circle = folder.path().join("circle");
+        symlink("circle", &circle).unwrap();
+        assert!(Output::new(&circle).is_err() && circle.is_symlink());
     }
 
     #[test]

@@ -31,7 +31,7 @@ impl Compressor {
     }
 }
 
-/// Replaces `records` by the records of a chunk, and verifies their length and checksum.
+/// Replaces `records` by the records of a chunk, and verifies their length and checksums.
 ///
 /// # Errors
 ///
@@ -39,7 +39,7 @@ impl Compressor {
 /// length is unpacked, whatever the data would expand to.
 pub(crate) fn decompress(
     chunk: &ChunkHeader,
-    data: &[u8],
+    mut data: &[u8],
     limit_bytes: usize,
     records: &mut Vec<u8>,
 ) -> Result<(), McapError> {
@@ -48,25 +48,68 @@ pub(crate) fn decompress(
         .ok()
         .filter(|length| *length <= limit_bytes)
         .ok_or(McapError::ChunkTooLarge(chunk.uncompressed_size))?;
-    let damaged = |error: &dyn std::fmt::Display| McapError::DecompressionError(error.to_string());
-    let mut unpack = |mut source: &mut dyn Read| {
-        let up_to_one_more = chunk.uncompressed_size.saturating_add(1);
-        (&mut source).take(up_to_one_more).read_to_end(records).map_err(|error| damaged(&error))
-    };
-    let unpacked = match chunk.compression.as_str() {
-        "" => unpack(&mut &data[..])?,
-        METHOD => unpack(&mut FrameDecoder::new(data))?,
-        "zstd" => unpack(&mut StreamingDecoder::new(data).map_err(|error| damaged(&error))?)?,
+    let add_frame = match chunk.compression.as_str() {
+        "" => copy,
+        METHOD => add_lz4,
+        "zstd" => add_zstd,
         other => return Err(McapError::UnsupportedCompression(other.to_owned())),
     };
-    if unpacked != length {
-        return Err(damaged(&format_args!("unpacked to another length than {length} bytes")));
+    while !data.is_empty() && records.len() <= length {
+        if let Some(rest) = after_skippable_frame(data) {
+            data = rest;
+            continue;
+        }
+        // One byte more, to notice longer data.
+        let room = length - records.len() + 1;
+        add_frame(&mut data, room as u64, records).map_err(damaged)?;
     }
-    let calculated = crc32fast::hash(records);
+    if records.len() != length {
+        return Err(damaged(format!("unpacked to another length than {length} bytes")));
+    }
     match chunk.uncompressed_crc {
         // A chunk without a checksum.
         0 => Ok(()),
-        saved if saved == calculated => Ok(()),
-        saved => Err(McapError::BadChunkCrc { saved, calculated }),
+        saved => {
+            let calculated = crc32fast::hash(records);
+            if saved == calculated {
+                Ok(())
+            } else {
+                Err(McapError::BadChunkCrc { saved, calculated })
+            }
+        }
+    }
+}
+
+fn damaged(reason: impl std::fmt::Display) -> McapError {
+    McapError::DecompressionError(reason.to_string())
+}
+
+/// Returns the data after a frame that LZ4 and zstd skip, if `data` begins with one.
+fn after_skippable_frame(data: &[u8]) -> Option<&[u8]> {
+    let (magic, rest) = data.split_first_chunk()?;
+    let (length, rest) = rest.split_first_chunk()?;
+    (0x184d_2a50..=0x184d_2a5f).contains(&u32::from_le_bytes(*magic)).then_some(())?;
+    rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)
+}
+
+fn copy(data: &mut &[u8], room: u64, records: &mut Vec<u8>) -> io::Result<()> {
+    std::mem::take(data).take(room).read_to_end(records).map(drop)
+}
+
+/// Appends the content of the LZ4 frame at the start of `data`, and moves `data` behind it.
+fn add_lz4(data: &mut &[u8], room: u64, records: &mut Vec<u8>) -> io::Result<()> {
+    FrameDecoder::new(data).take(room).read_to_end(records).map(drop)
+}
+
+/// Appends the content of the zstd frame at the start of `data`, and moves `data` behind it.
+fn add_zstd(data: &mut &[u8], room: u64, records: &mut Vec<u8>) -> io::Result<()> {
+    let mut frame = StreamingDecoder::new(data).map_err(io::Error::other)?;
+    (&mut frame).take(room).read_to_end(records)?;
+    let decoder = &frame.decoder;
+    match (decoder.get_checksum_from_data(), decoder.get_calculated_checksum()) {
+        (Some(saved), Some(calculated)) if saved != calculated => {
+            Err(io::Error::other("the checksum of a zstd frame differs"))
+        }
+        _ => Ok(()),
     }
 }

@@ -48,6 +48,10 @@ pub enum Entry {
 pub struct JointSample {
     /// Time since the epoch, s.
     pub t_s: f64,
+    /// Log time since the epoch, s.
+    pub log_s: f64,
+    /// `false` if the header has a stamp of zero, as if it was never set.
+    pub is_stamped: bool,
     /// Joint positions, rad.
     pub q: [f64; 7],
     /// Joint velocities, rad/s, if the message has them: ROS drivers may leave them out.

@@ -4,6 +4,7 @@ mod check;
 mod columns;
 mod error;
 mod format;
+mod lines;
 mod loss;
 mod options;
 #[cfg(feature = "parquet")]

@@ -146,9 +146,10 @@ impl<R: Read> Reader<R> {
         loop {
             match read(&mut self.stream, &mut room) {
                 Err(source) => return Err(ReadError::Io { offset: self.offset, source }),
+                Ok(0) if self.is_concatenated => return Err(ReadError::Concatenated),
                 Ok(0) => return Ok(self.end.ends_with(MAGIC)),
                 Ok(read) => {
-                    keep_end(&mut self.end, &room[..read]);
+                    self.is_concatenated |= keep_end(&mut self.end, &room[..read]);
                     self.offset += read as u64;
                 }
             }
@@ -203,8 +204,7 @@ struct UnpackedChunk {
 impl UnpackedChunk {
     /// Unpacks the content of a chunk record.
     fn load(&mut self, data: &[u8]) -> Result<(), McapError> {
-        let too_large = McapError::RecordTooLarge { opcode: op::CHUNK, len: data.len() as u64 };
-        lengths_fit(op::CHUNK, data).ok_or(too_large)?;
+        lengths_fit(op::CHUNK, data).ok_or(McapError::UnexpectedEoc)?;
         self.next = 0;
         if let Record::Chunk { header, data } = mcap::parse_record(op::CHUNK, data)? {
             decompress(&header, &data, RECORD_LIMIT_BYTES, &mut self.records)?;
@@ -296,8 +296,12 @@ struct ReaderState {
     channels: BTreeMap<u16, Option<Topic>>,
     /// Topics to read; all if `None`.
     wanted: Option<Vec<Topic>>,
-    /// Name of the topic that joint states are read from.
-    joint_states: Option<String>,
+    /// `true` if the file has `/joint_states`: topics in namespaces are then of other devices.
+    has_joint_states: bool,
+    /// Names of the topics of joint states in a namespace, by their channels.
+    namespaces: BTreeMap<u16, String>,
+    /// Name of the topic in a namespace that joint states are read from.
+    namespace: Option<String>,
     epoch_ns: Option<u64>,
     frame_id: Arc<str>,
     messages: u64,
@@ -325,19 +329,15 @@ impl ReaderState {
                     self.wanted.as_ref().is_none_or(|wanted| wanted.contains(topic))
                 };
                 let mut topic = Topic::from_name(&channel.topic).filter(is_wanted);
+                self.namespaces.remove(&channel.id);
                 if let Some(topic) = topic {
                     self.check_type(topic, &channel)?;
+                    self.has_joint_states |= topic == Topic::JointStates;
                 } else if in_namespace(&channel.topic).as_ref().is_some_and(is_wanted)
                     && self.check_type(Topic::JointStates, &channel).is_ok()
                 {
                     topic = Some(Topic::JointStates);
-                }
-                if topic == Some(Topic::JointStates) {
-                    let first = self.joint_states.get_or_insert_with(|| channel.topic.clone());
-                    if *first != channel.topic {
-                        let (first, second) = (first.clone(), channel.topic);
-                        return Err(ReadError::TwoArms { first, second });
-                    }
+                    self.namespaces.insert(channel.id, channel.topic);
                 }
                 self.channels.insert(channel.id, topic);
                 Ok(None)
@@ -352,7 +352,12 @@ impl ReaderState {
                 let Some(topic) = topic else { return Ok(None) };
                 let body =
                     EncodedMessage { topic, epoch_ns, log_ns: header.log_time, bytes: &data };
-                self.message(&body)
+                let name = self.namespaces.get(&header.channel_id).cloned();
+                if topic == Topic::JointStates {
+                    self.joint_state(name, &body)
+                } else {
+                    self.message(&body)
+                }
             }
             Some(Record::Attachment { header, data, .. }) => {
                 Ok(Some(Entry::Attachment(Attachment {
@@ -365,6 +370,41 @@ impl ReaderState {
                 Ok(Some(Entry::Metadata { name: metadata.name, entries: metadata.metadata }))
             }
             _ => Ok(None),
+        }
+    }
+
+    /// Reads a joint state on the topic `name` in a namespace, or on `/joint_states`. Messages of
+    /// other devices, such as a gripper, are left out.
+    fn joint_state(
+        &mut self,
+        name: Option<String>,
+        body: &EncodedMessage<'_>,
+    ) -> Result<Option<Entry>, ReadError> {
+        let first = self.namespace.clone();
+        let Some(name) = name else {
+            let second = Topic::JointStates.name().to_owned();
+            return match first {
+                Some(first) => Err(ReadError::TwoArms { first, second }),
+                None => self.message(body),
+            };
+        };
+        if self.has_joint_states {
+            return Ok(None);
+        }
+        let entry = match self.message(body) {
+            Err(ReadError::JointName { .. } | ReadError::JointCount { .. })
+                if first.as_ref() != Some(&name) =>
+            {
+                return Ok(None);
+            }
+            entry => entry?,
+        };
+        match first {
+            Some(first) if first != name => Err(ReadError::TwoArms { first, second: name }),
+            _ => {
+                self.namespace = Some(name);
+                Ok(entry)
+            }
         }
     }
 
@@ -430,11 +470,10 @@ impl<'a> EncodedMessage<'a> {
     fn joint_state(&self) -> Result<JointSample, ReadError> {
         let message: JointState<'_> = self.decode()?;
         self.check_names("name", message.name)?;
-        let stamp = message.header.stamp;
-        // A stamp of zero is one that was never set.
-        let t_s = if stamp == Time::default() { self.t_s() } else { self.stamp_s(stamp)? };
         Ok(JointSample {
-            t_s,
+            t_s: self.stamp_s(message.header.stamp)?,
+            log_s: self.t_s(),
+            is_stamped: message.header.stamp != Time::default(),
             q: self.seven("position", &message.position)?,
             dq: match message.velocity.len {
                 0 => None,

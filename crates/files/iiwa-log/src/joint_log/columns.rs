@@ -59,15 +59,10 @@ impl Columns {
             let joints: Vec<_> = names.iter().map(joint).collect();
             joints.iter().any(Option::is_some).then_some((source, joints))
         });
-        let is_one_of =
-            |name: &str, known: &[&str]| known.iter().any(|k| name.eq_ignore_ascii_case(k));
-        let time = |name: &str| is_one_of(name, &["t_s", "time_s", "time", "t"]);
-        let seconds = |name: &str| is_one_of(name, &["ZeitInSec"]);
-        let nanoseconds = |name: &str| is_one_of(name, &["ZeitInNanoSec"]);
-        let split = names.iter().any(|name| seconds(name) || nanoseconds(name));
+        let split = names.iter().any(|name| is_seconds(name) || is_nanoseconds(name));
 
         let Some((source, joints)) = joints else {
-            if split || names.iter().any(|name| time(name)) {
+            if split || names.iter().any(|name| is_time(name)) {
                 return Err(columns.missing(&title(0), "`joint_1_rad` or `joint_1_deg`".to_owned()));
             }
             return Err(JointLogError::Unknown { found: format!("`{}`", names.join(" ")) });
@@ -81,16 +76,16 @@ impl Columns {
             return Err(JointLogError::MissingPositions { line, positions });
         }
         if split {
-            columns.choose("seconds", "`ZeitInSec`", ColumnRole::Seconds, seconds)?;
+            columns.choose("seconds", "`ZeitInSec`", ColumnRole::Seconds, is_seconds)?;
             columns.choose(
                 "nanoseconds",
                 "`ZeitInNanoSec`",
                 ColumnRole::Nanoseconds,
-                nanoseconds,
+                is_nanoseconds,
             )?;
         } else {
             let expected = "`t_s`, or `ZeitInSec` and `ZeitInNanoSec`";
-            columns.choose("time", expected, ColumnRole::Time, time)?;
+            columns.choose("time", expected, ColumnRole::Time, is_time)?;
         }
         for wanted in 0..7 {
             let mut column_index = None;
@@ -132,6 +127,28 @@ impl Columns {
         }
         units
     }
+}
+
+/// Returns true if these are names of columns: of a time, and of a joint.
+pub(super) fn are_columns(names: &[String]) -> bool {
+    let sources = [PositionSource::Measured, PositionSource::Commanded, PositionSource::Table];
+    let is_joint = |name: &String| {
+        let name = name.to_ascii_lowercase();
+        sources.iter().any(|source| joint(*source, &name, None).is_some())
+    };
+    names.iter().any(is_joint) && names.iter().any(|name| is_time(name) || is_seconds(name))
+}
+
+fn is_time(name: &str) -> bool {
+    ["t_s", "time_s", "time", "t"].iter().any(|known| name.eq_ignore_ascii_case(known))
+}
+
+fn is_seconds(name: &str) -> bool {
+    name.eq_ignore_ascii_case("ZeitInSec")
+}
+
+fn is_nanoseconds(name: &str) -> bool {
+    name.eq_ignore_ascii_case("ZeitInNanoSec")
 }
 
 /// Columns while their roles are assigned.

@@ -7,7 +7,7 @@ use mcap::{MAGIC, McapError};
 use super::samples::{PositionUnit, SampleCollector};
 use super::{CycleClock, FilePlace, JointLog, JointLogError, Loss, PositionSource};
 use crate::recorded_robot::PROFILE;
-use crate::{Entry, ReadError, Reader, Topic};
+use crate::{Entry, JointSample, ReadError, Reader, Topic};
 
 /// Returns true if a file begins like an MCAP file; it may be cut off within the magic bytes.
 pub(super) fn is_mcap(head: &[u8]) -> bool {
@@ -19,16 +19,25 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
     let mut samples = SampleCollector::new(PositionSource::Mcap, [PositionUnit::Radians; 7]);
     let mut described = None;
     let mut place = 0;
+    let mut first = None;
+    let mut is_unset = false;
     let mut end = None;
     let topics = [Topic::JointStates, Topic::RobotDescription];
     for entry in Reader::new(stream).only(&topics) {
         match entry {
             Ok(Entry::JointState(sample)) => {
                 place += 1;
-                samples.push(FilePlace::Sample(place), sample.t_s, sample.q)?;
-                if let Some(torques_nm) = sample.torques_nm {
-                    samples.add_torques(torques_nm);
+                // Stamps that were never set are all zero, but simulated time begins at zero, too:
+                // the second sample decides.
+                if place == 1 && !sample.is_stamped {
+                    first = Some(sample);
+                    continue;
                 }
+                is_unset |= first.is_some() && !sample.is_stamped;
+                if let Some(first) = first.take() {
+                    add(&mut samples, 1, &first, is_unset)?;
+                }
+                add(&mut samples, place, &sample, is_unset)?;
             }
             Ok(Entry::RobotDescription { urdf, .. }) => described = robot_of(&urdf),
             Ok(Entry::Attachment(attachment)) if attachment.name == "program.json" => {
@@ -50,9 +59,27 @@ pub(super) fn read<R: Read>(stream: R) -> Result<JointLog, JointLogError> {
             Err(error) => end = Some(broken_off(&mut samples, error)?),
         }
     }
+    if let Some(first) = first {
+        add(&mut samples, 1, &first, false)?;
+    }
     let log = samples.log();
     log.robot = log.robot.take().or(described);
     samples.finish(end)
+}
+
+/// Adds a sample at its stamp, or at its log time if stamps are unset.
+fn add(
+    samples: &mut SampleCollector,
+    place: u64,
+    sample: &JointSample,
+    is_unset: bool,
+) -> Result<(), JointLogError> {
+    let t_s = if is_unset && !sample.is_stamped { sample.log_s } else { sample.t_s };
+    samples.push(FilePlace::Sample(place), t_s, sample.q)?;
+    if let Some(torques_nm) = sample.torques_nm {
+        samples.add_torques(torques_nm);
+    }
+    Ok(())
 }
 
 /// Returns the loss for a file that is cut off or damaged, if the part read so far is reliable.

@@ -50,6 +50,10 @@ impl SampleCollector {
     /// Converts positions without a unit from degrees if one of them is beyond every joint range in
     /// rad, including those of earlier samples.
     fn assume_degrees(&mut self, place: FilePlace, degrees: &[f64; 7]) {
+        // The names of a table can state a unit; a damaged value must not change that of all others.
+        if self.log.source == Some(PositionSource::Table) {
+            return;
+        }
         let is_far =
             |(unit, q): (PositionUnit, f64)| unit == PositionUnit::Unstated && q.abs() > REACH_RAD;
         let Some(far) = self.units.into_iter().zip(*degrees).position(is_far) else { return };

@@ -2,13 +2,14 @@
 
 use std::io::{self, Cursor, Read};
 
-use csv::{ByteRecord, ErrorKind, ReaderBuilder};
+use csv::{ByteRecord, ReaderBuilder};
+use memchr::memchr2;
 
-use super::columns::{ColumnRole, Columns};
+use super::columns::{ColumnRole, Columns, are_columns};
+use super::lines::{Line, Lines};
 use super::samples::SampleCollector;
 use super::shown::{MAX_NAME, shown};
 use super::{FilePlace, JointLog, JointLogError, LogOptions, Loss};
-use crate::reader::read as read_once;
 
 /// Bytes of a file that are used to detect its format. A longer header line is rejected.
 pub(super) const HEAD_BYTES: usize = 64 * 1024;
@@ -19,42 +20,30 @@ pub(super) fn read<R: Read>(
     stream: R,
     options: LogOptions,
 ) -> Result<JointLog, JointLogError> {
-    let TableHeader { line: header_line, text: header, end: data } = header(head)?;
-    let delimiter = [b';', b'\t', b','].into_iter().find(|d| header.contains(d)).unwrap_or(b' ');
-    let layout = Layout { spaces: delimiter == b' ' };
-    let columns = Columns::new(header_line, names(header, delimiter, layout)?, options)?;
+    let header = header(head)?;
+    let layout = header.layout();
+    let columns = Columns::new(header.line, header.names()?, options)?;
 
     let mut samples = SampleCollector::new(columns.source, columns.units());
     samples.log().robot.clone_from(&columns.robot);
-    // Numbers need no quotes. If quotes counted, a stray one would swallow the following lines.
-    let mut table = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .delimiter(delimiter)
-        .quoting(false)
-        .buffer_capacity(1 << 18)
-        .from_reader(LastByte { stream: Cursor::new(&head[data..]).chain(stream), last: b'\n' });
+    let mut lines = Lines::after(header.line, Cursor::new(&head[header.end..]).chain(stream));
     let mut origin = None;
-    let mut end = None;
-    let (mut line, mut next) = (ByteRecord::new(), ByteRecord::new());
-    let mut more = read_line(&mut table, &mut line)?;
-    while more {
-        more = read_line(&mut table, &mut next)?;
-        if !layout.is_blank(&line) && !line.as_slice().starts_with(b"#") {
-            let number = header_line + line.position().map_or(0, csv::Position::line);
-            if !more && !matches!(table.get_ref().last, b'\n' | b'\r') {
-                end = Some(Loss::LastLine { line: number });
-                break;
-            }
-            let row = TableRow::parse(&columns, layout, number, &line)?;
-            samples.push(FilePlace::Line(number), row.t_s(&mut origin), row.positions)?;
-            if columns.has_torques() {
-                samples.add_torques(row.measured_nm);
-            }
+    let mut cut_off = None;
+    while let Some(line) = lines.next()? {
+        if line.text.trim_ascii().is_empty() || line.text.starts_with(b"#") {
+            continue;
         }
-        std::mem::swap(&mut line, &mut next);
+        if !line.is_complete {
+            cut_off = Some(Loss::LastLine { line: line.number });
+            break;
+        }
+        let row = TableRow::parse(&columns, layout, &line)?;
+        samples.push(FilePlace::Line(line.number), row.t_s(&mut origin), row.positions)?;
+        if columns.has_torques() {
+            samples.add_torques(row.measured_nm);
+        }
     }
-    let log = samples.finish(end)?;
+    let log = samples.finish(cut_off)?;
     log.check_units()?;
     Ok(log)
 }
@@ -69,7 +58,8 @@ struct TableHeader<'a> {
 }
 
 /// Returns the first line that is neither blank, nor a comment, nor Excel's `sep=`. The header may
-/// be a comment itself, as MATLAB and numpy write it: then a line of numbers follows.
+/// be a comment itself, as MATLAB and numpy write it: one with the names of columns, or the last
+/// comment before a line of numbers.
 fn header(head: &[u8]) -> Result<TableHeader<'_>, JointLogError> {
     let unknown = |found: String| Err(JointLogError::Unknown { found });
     if head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff") {
@@ -77,87 +67,104 @@ fn header(head: &[u8]) -> Result<TableHeader<'_>, JointLogError> {
     }
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     let (mut end, mut line) = (head.len() - text.len(), 0);
-    loop {
-        if end == head.len() {
-            return Err(JointLogError::NoSamples);
-        }
+    let mut last_comment = None;
+    while end < head.len() {
         let (text, next) = next_line(head, end);
+        if next == head.len() && head.len() == HEAD_BYTES {
+            return unknown(format!("none in the first {} KiB", HEAD_BYTES / 1024));
+        }
         (end, line) = (next, line + 1);
         let text = text.trim_ascii();
         let comment = text.strip_prefix(b"#").or_else(|| text.strip_prefix(b"%"));
         let is_separator = text.len() <= 5 && text.to_ascii_lowercase().starts_with(b"sep=");
-        let names_follow = || !starts_with_number(next_line(head, next).0);
-        if text.is_empty() || is_separator || comment.is_some() && names_follow() {
+        if text.is_empty() || is_separator {
             continue;
         }
         let text = comment.unwrap_or(text).trim_ascii_start();
-        let is_text = text.iter().all(|byte| !byte.is_ascii_control() || *byte == b'\t');
-        if is_text && text.len() < HEAD_BYTES {
-            return Ok(TableHeader { line, text, end });
+        let header = TableHeader { line, text, end };
+        if comment.is_some() && !header.names().is_ok_and(|names| are_columns(&names)) {
+            last_comment = Some(header);
+            continue;
+        }
+        if let Some(comment) = last_comment.filter(|_| starts_with_number(text)) {
+            return Ok(comment);
+        }
+        if text.iter().all(|byte| !byte.is_ascii_control() || *byte == b'\t') {
+            return Ok(header);
         }
         return unknown(format!("`{}`", shown(text)));
     }
+    Err(JointLogError::NoSamples)
 }
 
 /// Returns the line at `start`, which ends with CR, LF or both, and the start of the next one.
 fn next_line(head: &[u8], start: usize) -> (&[u8], usize) {
     let rest = &head[start..];
-    let length = rest.iter().position(|byte| b"\r\n".contains(byte)).unwrap_or(rest.len());
+    let length = memchr2(b'\r', b'\n', rest).unwrap_or(rest.len());
     let (line, end) = rest.split_at(length);
     let line_break = if end.starts_with(b"\r\n") { 2 } else { end.len().min(1) };
     (line, start + length + line_break)
 }
 
 fn starts_with_number(line: &[u8]) -> bool {
-    let mut fields = line.trim_ascii_start().split(|byte| b",; \t".contains(byte));
+    let mut fields = line.split(|byte| b",; \t".contains(byte));
     fields.next().is_some_and(|field| number(field).is_some())
 }
 
-fn names(header: &[u8], delimiter: u8, layout: Layout) -> Result<Vec<String>, JointLogError> {
-    let mut line = ByteRecord::new();
-    let mut table =
-        ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(header);
-    read_line(&mut table, &mut line)?;
-    let names = layout.fields(&line).map(bare).map(|name| match name {
-        // No known name is that long, and `shown` leaves known names unchanged.
-        name if name.len() > MAX_NAME => String::new(),
-        // Names that are read are ASCII; in others, UTF-8 or Latin-1 makes no difference.
-        name => name.iter().map(|byte| char::from(*byte)).flat_map(char::escape_debug).collect(),
-    });
-    let mut names: Vec<String> = names.collect();
-    names.pop_if(|last| last.is_empty());
-    if names.iter().any(|name| name.parse::<f64>().is_ok()) {
-        let found = format!("numbers: `{}`", shown(header));
-        return Err(JointLogError::Unknown { found });
+impl TableHeader<'_> {
+    /// Delimiter of the fields; any number of spaces if there is no other delimiter.
+    fn layout(&self) -> Layout {
+        let delimiter = [b';', b'\t', b','].into_iter().find(|d| self.text.contains(d));
+        Layout { delimiter: delimiter.unwrap_or(b' ') }
     }
-    Ok(names)
+
+    fn names(&self) -> Result<Vec<String>, JointLogError> {
+        let mut line = ByteRecord::new();
+        let delimiter = self.layout().delimiter;
+        let reader =
+            ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(self.text);
+        read_line(reader, &mut line)?;
+        let fields = line.iter().map(<[u8]>::trim_ascii);
+        let fields = fields.filter(|field| delimiter != b' ' || !field.is_empty());
+        let names = fields.map(bare).map(|name| match name {
+            // No known name is that long, and `shown` leaves known names unchanged.
+            name if name.len() > MAX_NAME => String::new(),
+            // Names that are read are ASCII; in others, UTF-8 or Latin-1 makes no difference.
+            name => {
+                name.iter().map(|byte| char::from(*byte)).flat_map(char::escape_debug).collect()
+            }
+        });
+        let mut names: Vec<String> = names.collect();
+        names.pop_if(|last| last.is_empty());
+        if names.iter().any(|name| name.parse::<f64>().is_ok()) {
+            let found = format!("numbers: `{}`", shown(self.text));
+            return Err(JointLogError::Unknown { found });
+        }
+        Ok(names)
+    }
 }
 
-fn read_line<R: Read>(
-    table: &mut csv::Reader<R>,
-    line: &mut ByteRecord,
-) -> Result<bool, JointLogError> {
-    table.read_byte_record(line).map_err(|error| match error.into_kind() {
-        ErrorKind::Io(source) => source.into(),
-        // Lines may have any bytes and any number of fields.
-        _ => io::Error::from(io::ErrorKind::InvalidData).into(),
-    })
+fn read_line(mut table: csv::Reader<&[u8]>, line: &mut ByteRecord) -> Result<(), JointLogError> {
+    match table.read_byte_record(line) {
+        Ok(_) => Ok(()),
+        // A line may have any bytes and any number of fields.
+        Err(_) => Err(io::Error::from(io::ErrorKind::InvalidData).into()),
+    }
 }
 
 /// Field separation.
 #[derive(Clone, Copy, Debug)]
 struct Layout {
-    /// `true` if any number of spaces separates fields.
-    spaces: bool,
+    /// Byte between fields; of spaces, any number.
+    delimiter: u8,
 }
 
 impl Layout {
-    fn fields(self, line: &ByteRecord) -> impl Iterator<Item = &[u8]> {
-        line.iter().map(<[u8]>::trim_ascii).filter(move |field| !self.spaces || !field.is_empty())
-    }
-
-    fn is_blank(self, line: &ByteRecord) -> bool {
-        (self.spaces || line.len() < 2) && line.iter().all(|field| field.trim_ascii().is_empty())
+    /// Fields of a line. Numbers need no quotes: if quotes counted, a stray one would swallow the
+    /// rest of the line.
+    fn fields(self, line: &[u8]) -> impl Iterator<Item = &[u8]> {
+        let fields = line.split(move |byte| *byte == self.delimiter).map(<[u8]>::trim_ascii);
+        fields.filter(move |field| self.delimiter != b' ' || !field.is_empty())
     }
 }
 
@@ -174,16 +181,11 @@ struct TableRow {
 }
 
 impl TableRow {
-    fn parse(
-        columns: &Columns,
-        layout: Layout,
-        number: u64,
-        line: &ByteRecord,
-    ) -> Result<Self, JointLogError> {
+    fn parse(columns: &Columns, layout: Layout, line: &Line<'_>) -> Result<Self, JointLogError> {
         let expected = columns.roles.len();
         let mut row = Self::default();
         let mut count = 0;
-        for field in layout.fields(line) {
+        for field in layout.fields(line.text) {
             let column = count;
             let Some(role) = columns.roles.get(column) else {
                 // A line may end with a delimiter.
@@ -191,8 +193,8 @@ impl TableRow {
                     break;
                 }
                 return Err(JointLogError::FieldCount {
-                    line: number,
-                    found: layout.fields(line).count(),
+                    line: line.number,
+                    found: layout.fields(line.text).count(),
                     expected,
                 });
             };
@@ -200,7 +202,7 @@ impl TableRow {
             if let Err(expected) = row.take(*role, field) {
                 let column = columns.names[column].clone();
                 return Err(JointLogError::Field {
-                    line: number,
+                    line: line.number,
                     column,
                     found: shown(field),
                     expected,
@@ -208,7 +210,7 @@ impl TableRow {
             }
         }
         if count < expected {
-            return Err(JointLogError::FieldCount { line: number, found: count, expected });
+            return Err(JointLogError::FieldCount { line: line.number, found: count, expected });
         }
         Ok(row)
     }
@@ -258,20 +260,4 @@ fn bare(field: &[u8]) -> &[u8] {
 fn number(field: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(bare(field)).ok()?;
     text.parse().ok().filter(|value: &f64| value.is_finite())
-}
-
-/// Stream that stores the last byte read.
-struct LastByte<R> {
-    stream: R,
-    last: u8,
-}
-
-impl<R: Read> Read for LastByte<R> {
-    fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
-        let read = read_once(&mut self.stream, room)?;
-        if let Some(last) = room[..read].last() {
-            self.last = *last;
-        }
-        Ok(read)
-    }
 }

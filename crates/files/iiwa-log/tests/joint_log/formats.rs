@@ -83,6 +83,9 @@ fn headers_of_other_programs() {
         format!("sep=,\r\n{names}\r\n{row}\r\n"),
         format!("{names}\r{row}\r"),
         format!("{names},Kraft ä\n{row},1\n"),
+        format!("% {names}\n\n{row}\n"),
+        format!("# note,{names}\nbegin,{row}\n"),
+        format!("% note,{names}\n,{row}\n"),
     ] {
         assert_eq!(read(&text).unwrap(), expected, "{text}");
     }
@@ -90,10 +93,26 @@ fn headers_of_other_programs() {
     assert_eq!(JointLog::read(&*latin_1).unwrap(), expected);
     let error = read(&format!("# {names}\n# {names}\n")).unwrap_err();
     assert!(matches!(error, JointLogError::NoSamples), "{error}");
-    let line = read(&format!("# {names}\n{row}\n0.6,.1,x,.3,.4,.5,.6,.7\n")).unwrap_err();
-    assert!(line.to_string().starts_with("line 3,"), "{line}");
+    for (end, blank) in [("\n", ""), ("\r", ""), ("\r\n", ""), ("\n", "\n\n"), ("\r\n", "\r\n")] {
+        let bad = "0.6,.1,x,.3,.4,.5,.6,.7";
+        let text = [&format!("# {names}"), row, &format!("{blank}{bad}"), ""].join(end);
+        let error = read(&text).unwrap_err().to_string();
+        let line = 3 + blank.matches('\n').count();
+        assert!(error.starts_with(&format!("line {line},")), "{error} in {text:?}");
+    }
+    let long = format!("# {}\n{names}\n{row}\n", "x".repeat(70_000));
+    let error = read(&long).unwrap_err().to_string();
+    assert!(error.contains("none in the first 64 KiB"), "{error}");
     let utf_16: Vec<u8> = "\u{feff}t_s".encode_utf16().flat_map(u16::to_le_bytes).collect();
     assert!(JointLog::read(&*utf_16).unwrap_err().to_string().contains("UTF-16"));
+}
+
+/// Tests that one damaged value does not change the unit of all others.
+#[test]
+fn a_table_without_units_is_never_read_in_degrees() {
+    let text = "t q1 q2 q3 q4 q5 q6 q7\n0 0 0 0 0 0 0 0\n0.1 0 0 6.28 0 0 0 0\n";
+    let error = read(text).unwrap_err().to_string();
+    assert!(error.contains("line 3") && error.contains("A3"), "{error}");
 }
 
 #[test]

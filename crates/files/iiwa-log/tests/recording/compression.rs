@@ -78,3 +78,54 @@ fn a_chunk_of_an_unknown_method_or_with_another_checksum_is_an_error() {
     let error = with_chunk(Compression::Lz4, |chunk| chunk[24] ^= 1);
     assert!(matches!(error, McapError::BadChunkCrc { .. }), "{error:?}");
 }
+
+/// Replaces the data of the chunk, which has no compression, by `data` of this method.
+fn packed(method: &str, pack: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
+    let file = rewritten(&sample(), None);
+    let offset = chunk_offset(&file);
+    let length = u64::from_le_bytes(file[offset - 8..offset].try_into().unwrap());
+    let chunk = &file[offset..offset + usize::try_from(length).unwrap()];
+    // Two times, length and checksum; the name of the method, which is empty; data with its length.
+    let data = pack(&chunk[40..]);
+    let mut content = chunk[..28].to_vec();
+    content.extend(u32::try_from(method.len()).unwrap().to_le_bytes());
+    content.extend(method.as_bytes());
+    content.extend((data.len() as u64).to_le_bytes());
+    content.extend(data);
+    let mut out = file[..offset - 8].to_vec();
+    out.extend((content.len() as u64).to_le_bytes());
+    out.extend(content);
+    out
+}
+
+#[test]
+fn chunks_of_several_frames_are_read() {
+    let skippable = [&0x184d_2a53_u32.to_le_bytes()[..], &3_u32.to_le_bytes(), b"abc"].concat();
+    let lz4 = |bytes: &[u8]| {
+        let mut encoder = lz4_flex::frame::FrameEncoder::new(Vec::new());
+        std::io::Write::write_all(&mut encoder, bytes).unwrap();
+        encoder.finish().unwrap()
+    };
+    let zstd = |bytes: &[u8]| {
+        ruzstd::encoding::compress_to_vec(bytes, ruzstd::encoding::CompressionLevel::Uncompressed)
+    };
+    let frames = |pack: &dyn Fn(&[u8]) -> Vec<u8>, bytes: &[u8]| {
+        let (first, second) = bytes.split_at(bytes.len() / 2);
+        [&skippable[..], &pack(&[]), &pack(first), &skippable, &pack(second)].concat()
+    };
+    let expected = Recording::from_bytes(&sample()).unwrap().joint_states;
+    for (method, file) in [
+        ("lz4", packed("lz4", |bytes| frames(&lz4, bytes))),
+        ("zstd", packed("zstd", |bytes| frames(&zstd, bytes))),
+    ] {
+        // The file ends behind the chunk.
+        let entries = iiwa_log::Reader::new(&*file).filter_map(Result::ok);
+        let states: Vec<_> = entries
+            .filter_map(|entry| match entry {
+                iiwa_log::Entry::JointState(state) => Some(state),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(states, expected, "{method}");
+    }
+}

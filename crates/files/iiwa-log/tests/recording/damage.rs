@@ -33,34 +33,67 @@ fn on_topics(
     encoding: &str,
     data: &[u8],
 ) -> Vec<u8> {
-    let schema = Arc::new(Schema {
-        id: 1,
-        name: type_name.into(),
-        encoding: "ros2msg".into(),
-        data: Cow::Owned(topic.schema().into_bytes()),
-    });
-    let mut writer = WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
-    let time = u64::try_from(DEFAULT_EPOCH.as_nanos()).unwrap();
-    for (id, name) in (1..).zip(names) {
-        let channel = Channel {
-            id,
-            topic: (*name).to_owned(),
-            schema: Some(Arc::clone(&schema)),
-            message_encoding: encoding.into(),
-            metadata: BTreeMap::new(),
-        };
-        writer
-            .write(&Message {
-                channel: Arc::new(channel),
-                sequence: 0,
-                log_time: time,
-                publish_time: time,
-                data: Cow::Borrowed(data),
-            })
-            .unwrap();
+    let mut writer = RosWriter { topic, type_name, encoding, messages: Vec::new() };
+    for name in names {
+        writer.write(name, data);
     }
-    writer.finish().unwrap();
-    writer.into_inner().into_inner()
+    writer.finish()
+}
+
+/// Messages of one schema, logged at one message per second.
+struct RosWriter<'a> {
+    topic: Topic,
+    type_name: &'a str,
+    encoding: &'a str,
+    messages: Vec<(String, Vec<u8>)>,
+}
+
+impl Default for RosWriter<'_> {
+    fn default() -> Self {
+        let topic = Topic::JointStates;
+        Self { topic, type_name: topic.type_name(), encoding: "cdr", messages: Vec::new() }
+    }
+}
+
+impl RosWriter<'_> {
+    fn write(&mut self, name: &str, data: &[u8]) {
+        self.messages.push((name.to_owned(), data.to_owned()));
+    }
+
+    fn finish(self) -> Vec<u8> {
+        let schema = Arc::new(Schema {
+            id: 1,
+            name: self.type_name.into(),
+            encoding: "ros2msg".into(),
+            data: Cow::Owned(self.topic.schema().into_bytes()),
+        });
+        let mut channels: BTreeMap<String, Arc<Channel<'_>>> = BTreeMap::new();
+        let mut writer = WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
+        let start = u64::try_from(DEFAULT_EPOCH.as_nanos()).unwrap();
+        for (second, (name, data)) in (0..).zip(self.messages) {
+            let id = u16::try_from(channels.len()).unwrap() + 1;
+            let channel = channels.entry(name.clone()).or_insert_with(|| {
+                Arc::new(Channel {
+                    id,
+                    topic: name,
+                    schema: Some(Arc::clone(&schema)),
+                    message_encoding: self.encoding.into(),
+                    metadata: BTreeMap::new(),
+                })
+            });
+            let log_time = start + 1_000_000_000 * second;
+            let message = Message {
+                channel: Arc::clone(channel),
+                sequence: 0,
+                log_time,
+                publish_time: log_time,
+                data: Cow::Owned(data),
+            };
+            writer.write(&message).unwrap();
+        }
+        writer.finish().unwrap();
+        writer.into_inner().into_inner()
+    }
 }
 
 /// CDR body, built field by field.
@@ -100,7 +133,11 @@ impl Body {
 }
 
 fn joint_state(names: &[&str], positions: &[f64], velocities: &[f64]) -> Vec<u8> {
-    let mut body = Body::header(1_577_836_800, 0).word(u32::try_from(names.len()).unwrap());
+    stamped(1_577_836_800, names, positions, velocities)
+}
+
+fn stamped(stamp_s: u32, names: &[&str], positions: &[f64], velocities: &[f64]) -> Vec<u8> {
+    let mut body = Body::header(stamp_s, 0).word(u32::try_from(names.len()).unwrap());
     for name in names {
         body = body.text(name);
     }
@@ -174,9 +211,33 @@ fn joint_states_of_ros_drivers() {
     let other = on_topics(&["/a/joint_states"], Topic::Tf, Topic::Tf.type_name(), "cdr", &data);
     assert_eq!(Recording::from_bytes(&other).unwrap().joint_states, []);
 
-    let mut unset = data.clone();
-    unset[4..12].fill(0);
-    assert_eq!(read_joint_state(&unset).unwrap().joint_states[0].t_s, 0.0);
+    // A topic of another device beside that of the arm.
+    let gripper = joint_state(&["finger_1", "finger_2"], &[0.0; 2], &[]);
+    let mixed = |arm: &str| {
+        let [arm, gripper] = [(arm, &data), ("/gripper/joint_states", &gripper)];
+        let mut writer = RosWriter::default();
+        for (name, data) in [gripper, arm, gripper, arm] {
+            writer.write(name, data);
+        }
+        Recording::from_bytes(&writer.finish()).unwrap().joint_states.len()
+    };
+    assert_eq!((mixed("/joint_states"), mixed("/lbr/joint_states")), (2, 2));
+}
+
+/// Tests stamps that were never set, and simulated time, which begins at zero.
+#[test]
+fn stamps_of_zero_are_log_times_unless_time_begins_there() {
+    let read = |stamps_s: [u32; 3]| {
+        let mut writer = RosWriter::default();
+        for stamp_s in stamps_s {
+            writer.write("/joint_states", &stamped(stamp_s, &JOINT_NAMES, &[0.5; 7], &[]));
+        }
+        iiwa_log::JointLog::read(&*writer.finish()).unwrap().t_s
+    };
+    // The writer logs one message per second.
+    assert_eq!(read([0, 0, 0]), [0.0, 1.0, 2.0]);
+    let simulated = read([0, 3, 6]);
+    assert_eq!([simulated[1] - simulated[0], simulated[2] - simulated[1]], [3.0, 3.0]);
 }
 
 #[test]
@@ -187,8 +248,29 @@ fn a_second_file_behind_the_first_is_reported() {
         "cdr",
         &joint_state(&JOINT_NAMES, &[0.5; 7], &[]),
     );
-    let error = Recording::from_bytes(&[&*file, &file].concat()).unwrap_err();
-    assert!(matches!(error, ReadError::Concatenated), "{error}");
+    // The end of the first file is at, before and after the border of a read.
+    for padding in 0..20 {
+        let padded = [&*file, &file].concat();
+        let reader = Slow { bytes: &padded, first: file.len() + padding };
+        let error = Recording::read(reader).unwrap_err();
+        assert!(matches!(error, ReadError::Concatenated), "{padding}: {error}");
+    }
+}
+
+/// Stream whose first read has this length.
+struct Slow<'a> {
+    bytes: &'a [u8],
+    first: usize,
+}
+
+impl std::io::Read for Slow<'_> {
+    fn read(&mut self, room: &mut [u8]) -> std::io::Result<usize> {
+        let (now, later) = self.bytes.split_at(self.first.min(self.bytes.len()).min(room.len()));
+        room[..now.len()].copy_from_slice(now);
+        self.bytes = later;
+        self.first = usize::MAX;
+        Ok(now.len())
+    }
 }
 
 #[test]

@@ -157,7 +157,14 @@ fn a_single_sample_is_at_rest() {
     let file = recorder.finish(&BTreeMap::new(), &[]).unwrap().into_inner();
     assert_eq!(
         joint_states(&file),
-        [JointSample { t_s: 1e-3, q: [0.5; 7], dq: Some([0.0; 7]), torques_nm: None }]
+        [JointSample {
+            t_s: 1e-3,
+            log_s: 1e-3,
+            is_stamped: true,
+            q: [0.5; 7],
+            dq: Some([0.0; 7]),
+            torques_nm: None
+        }]
     );
 }
 
