@@ -18,8 +18,8 @@ use super::{LogReading, values::at_least_0};
 /// the planned path, in joint space (Euclidean norm of the seven angles) and at the flange, as mean
 /// along the path and maximum. Noise of the recording counts as distance.
 ///
-/// If the recording contains several runs of the program, the first run is used. A recording of
-/// another program, or of a part of the program, is rejected.
+/// If the recording contains several runs of the program, the first run is used. A recording whose
+/// path is far from the plan's, or that has only a part of it, is rejected.
 #[derive(Args, Debug)]
 pub(crate) struct Compare {
     /// The plan: an MCAP file of `iiwasim plan`

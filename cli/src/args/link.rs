@@ -202,11 +202,11 @@ pub(crate) struct CabinetFaults {
 
 /// Run a motion program on the robot, and compare its cycle time with the plan.
 ///
-/// The command needs a running `iiwasim drive` that is connected to the controller (--drive,
-/// --stream). The program is planned first, and the figures are printed. Then the drive runs the
-/// program, and the measured joint positions are recorded as MCAP, with the torques as `effort`
-/// where the controller measures them. Ctrl-C stops the robot on its path; the recording until then
-/// is kept.
+/// The command needs a running `iiwasim drive`, at the addresses --drive and --stream, that is
+/// connected to the controller. The program is planned first, and the figures are printed. Then the
+/// drive runs the program, and the measured joint positions are recorded as MCAP, with the torques
+/// as `effort` where the controller measures them. Ctrl-C stops the robot on its path; the
+/// recording until then is kept.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Run {
@@ -265,7 +265,7 @@ pub(crate) struct Run {
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
-    /// Address of the drive's stream of joint positions and states, its second port
+    /// Address of the drive's stream of joint positions and states (second port of the drive)
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,

@@ -18,21 +18,21 @@ const METHOD: &str =
 
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
-/// The table has one row per motion: start time, duration, top speed as a share of the joint speed
-/// limit, and the limits that are active for the longest time, with their shares of the duration;
-/// --json prints all limits. A motion lasts from the start of the blend before it to the start of
-/// the blend after it, or to its stop. Below the table are the largest joint torque, as a share of
-/// the torque limit, and the mechanical work of the joints (link side, without motor and rotor
-/// losses).
+/// The table has one row per motion, except loads and waits that take no time: start time,
+/// duration, top speed as a share of the joint speed limit, and the one or two limits that are
+/// active longest, with their shares of the duration from 5 % up; --json prints all limits. A
+/// motion lasts from the start of the blend before it to the start of the blend after it, or to its
+/// stop. Below the table are the largest joint torque, as a share of the torque limit, and the
+/// mechanical work of the joints (link side, without motor and rotor losses).
 ///
 /// The MCAP file opens in Foxglove, Lichtblick, Rerun and ROS 2 tools. It contains joint states,
 /// link frames, the flange pose, the whole trajectory, the robot's URDF and the program.
 ///
 /// Many programs are planned on all cores: `iiwasim plan A.json B.json`, or `iiwasim plan FOLDER`
 /// for all *.json files in the folder, sorted by name, except hidden files, robot profiles, scenes
-/// and included frame files. The table then has one row per program: cycle time, time in motion,
-/// time at rest (settling and waiting), and the limit that is active for most of the time in
-/// motion. A failed program is reported on standard error and does not stop the others; the exit
+/// and files of frames. The table then has one row per program: cycle time, time in motion, time at
+/// rest (settling and waiting), and the limit that dominates the motions of the longest total
+/// duration. A failed program is reported on standard error and does not stop the others; the exit
 /// code is then 3.
 ///
 /// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, with the
@@ -76,8 +76,8 @@ pub(crate) struct Plan {
         value_parser = torque_percent)]
     pub(crate) limit_torque: Option<f64>,
 
-    /// Speed override of the controller in %, instead of the program's: slows down motions, but not
-    /// pauses and waits
+    /// Speed override of the controller in %, instead of the program's: slows down motions, but
+    /// neither the standstill after stops nor waits
     #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
     pub(crate) speed_override: Option<f64>,
 
@@ -108,7 +108,7 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "HZ", default_value_t = 250.0, value_parser = rate)]
     pub(crate) rate: f64,
 
-    /// Largest MCAP file to write, such as 500MB or 5GB (tables are three to six times as large).
+    /// Largest MCAP file to write, such as 500MB or 5GB (CSV tables may be three times as large).
     /// The size is estimated before writing: the trajectory of a program that lasts for months
     /// would fill any disk
     #[arg(long, value_name = "SIZE", default_value = "1GB")]
@@ -153,8 +153,8 @@ pub(crate) struct Plan {
     #[arg(long)]
     pub(crate) assumptions: bool,
 
-    /// Also print the solver's iterations for a single program with --timing jerk, on standard
-    /// error. PTP motions without blends need no iterations
+    /// Also print the solver's iterations for a single program, on standard error (not with
+    /// --timing acceleration). PTP motions without blends need no iterations
     #[arg(long, help_heading = METHOD)]
     pub(crate) trace: bool,
 
@@ -211,8 +211,8 @@ impl From<BlendKind> for BlendShape {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Search {
-    /// The point nearest to the target at which the motion crosses the sphere with the blend
-    /// radius; never misses a crossing
+    /// The first crossing of the sphere with the blend radius, as seen from the target; never
+    /// misses a crossing
     FirstCrossing,
     /// Bisection (Larsen 2019, Algorithm 1)
     #[value(name = "algorithm-1")]

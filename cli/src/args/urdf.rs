@@ -7,8 +7,9 @@ use clap::Args;
 /// URDF of the user, and the folders of its meshes.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Urdf {
-    /// URDF whose meshes (STL, OBJ or Collada) replace the simple shapes of the arm: on pages and,
-    /// as convex hulls, in clearances (`plan` needs --scene). Its joints must match the robot's
+    /// URDF whose meshes (STL, OBJ or Collada) replace the simple shapes of the arm: on pages (not
+    /// of `plan`) and, as convex hulls, in clearances (`plan` needs --scene). Its joints must match
+    /// the robot's
     #[arg(long, value_name = "FILE.urdf")]
     pub(crate) urdf: Option<PathBuf>,
 

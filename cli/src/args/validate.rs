@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{LogReading, Timing, values::override_percent};
 
-/// Validate the simulation: compare the plan of a program with a recording of a real run.
+/// Plan a program, compare the plan with a recording of a real run, and print a table and a score.
 ///
 /// The table has one row per motion: planned and measured duration, the error in per cent of the
 /// measured duration, and the largest path deviation of a joint and of the flange, regardless of

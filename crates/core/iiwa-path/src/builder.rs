@@ -43,8 +43,8 @@ pub(crate) fn steps(
     let supervised = tcps.clone().filter(|_| is_t1);
     let corners = Corners { program, robot, options, legs: &legs, tcps };
     let mut steps = Builder { robot, supervised, steps: Vec::with_capacity(2 * range.len()) };
-    // The part of the next motion that the blend before it does not replace.
-    // An update may begin with a motion that the blend before has partly replaced.
+    // Part of the next motion that the blend before it does not replace. If `range` starts within
+    // the program, that blend may lie before `range`.
     let mut rest = match range.start.checked_sub(1) {
         Some(before) => corners.at_end_of(before)?.map(RoundedCorner::after),
         None => None,
@@ -52,7 +52,8 @@ pub(crate) fn steps(
     for (motion, entry) in program.entries().take(range.end).skip(range.start) {
         let rest_s = match entry {
             // The motion before the wait ends in a blend, whose step is already there. The time
-            // stamps decide if the robot stops before that blend, and for how long.
+            // stamps decide if the robot stops before that blend, and for how long. Where it stops
+            // in any case, the step is a wait of 0 s, which the time stamps extend.
             Motion::Wait { overlap: 1.., .. } if steps.end_in_blend() => continue,
             Motion::Wait { overlap: 1.., .. } | Motion::Load(_) => Some(0.0),
             Motion::Wait { overlap: 0, seconds } => Some(*seconds),
@@ -83,7 +84,7 @@ pub(crate) fn steps(
                 });
             }
             None => {
-                // Not so if the blend before has used up the motion: it has moved.
+                // A motion without steps does not move, unless the blend before has used it up.
                 let still = rest.is_none() && steps.steps.len() == before;
                 steps.push(Step::Settle { motion, blocking: entry.is_blocking(), still });
             }
@@ -141,7 +142,7 @@ struct Corners<'a> {
     robot: &'a Arc<Robot>,
     options: PathOptions,
     legs: &'a Legs<'a>,
-    /// TCPs of the motions; `None` if all motions move the flange.
+    /// TCPs of the motions; `None` outside T1 if the program has neither frames nor a tool.
     tcps: Option<Vec<Pose>>,
 }
 
@@ -164,7 +165,7 @@ impl RoundedCorner {
 }
 
 impl Corners<'_> {
-    /// Returns the next entry after a motion that is not an overlapping wait.
+    /// Returns the first entry after a motion, except overlapping waits.
     fn next(&self, motion: MotionIndex) -> MotionIndex {
         let after = self.program.motions.iter().skip(motion.index() + 1);
         let waits = after.take_while(|entry| entry.is_overlapping_wait()).count();
@@ -246,7 +247,8 @@ impl Builder<'_> {
         });
     }
 
-    /// Adds the part of a motion that is not replaced by the blends `before` and `after` it.
+    /// Adds a motion, from the start of its remainder `before` (after a blend) to the blend at
+    /// `after`.
     fn push_leg(
         &mut self,
         motion: MotionIndex,
@@ -290,7 +292,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Adds a part of a TCP path; `range` is in s, from 0 to 1.
+    /// Adds the part `range` of a TCP path, in its parameter s from 0 to 1.
     fn push_path(
         &mut self,
         motion: MotionIndex,
@@ -411,8 +413,8 @@ impl Builder<'_> {
     }
 }
 
-/// Samples of a blend that may overshoot. Its curve is a polynomial of degree 6 or 8, so that the
-/// error of the peak is less than 1e-5 of the overshoot.
+/// Samples of a blend that may overshoot. Its curve is a polynomial of degree 4, 6 or 8, so that
+/// the error of the peak is less than 1e-5 of the overshoot.
 const OVERSHOOT_SAMPLES: u32 = 1024;
 
 /// A corner with a blend in joint space, and the distance that the blend reaches on either side.

@@ -3,8 +3,8 @@
 //! A [`ProgramSource`] is a program with the files that it names. A [`PlanRequest`] selects robot,
 //! torque limit and override; its [`PlanOptions`] select path options and timing.
 //! [`PlanRequest::plan`] returns the whole [`Plan`], [`PlanRequest::begin`] a [`Planning`], which
-//! plans section by section in bounded memory. All failures are reported as an [`Error`], with its
-//! place in the program's text if it has one.
+//! keeps the trajectory of one section at a time. [`PlanRequest`] reports all failures as an
+//! [`Error`], with the place in the program's text if it is known.
 //!
 //! ```
 //! use iiwa_plan::{PlanRequest, ProgramSource};

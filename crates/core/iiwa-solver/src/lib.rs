@@ -1,19 +1,19 @@
 //! Time-optimal motion along a joint path under velocity, acceleration and jerk limits.
 //!
-//! The path parameter sigma, in rad, is the length of a line in joint space, and continues through
-//! blends such that the first two derivatives of the path by sigma are continuous. The unknown is
-//! x = (dsigma/dt)^2, a cubic on each cell of a [mesh](Mesh). Each limit at a point of a cell is
-//! one constraint, called a row: linear in x and its derivative for velocity and acceleration; for
-//! jerk, linear in x and its first two derivatives after division by sqrt(x), with the bound
-//! x^(-1/2).
+//! The path parameter sigma, in rad, is the distance along a line in joint space; in blends, it is
+//! chosen such that the first two derivatives of the path by sigma are continuous. The unknown, x =
+//! (dsigma/dt)^2, is a cubic on each cell of a [mesh](Mesh), except on the cells that touch rest,
+//! in which jerk is constant. Each limit at a point of a cell is one constraint, called a row. Rows
+//! of velocity and acceleration are linear in x and its derivative. Jerk is sqrt(x) times an
+//! expression that is linear in x and its first two derivatives; its row bounds this expression, in
+//! units of the limit, by 1/sqrt(x).
 //!
 //! A primal-dual interior-point method minimises the duration; each of its Newton steps is a
 //! Riccati recursion. Rows apply at a few points of each cell. Where a limit is exceeded in
-//! between, the rows of that cell are tightened, and a window of cells around it is solved again.
+//! between, the rows of that cell are tightened, and the cells around it are solved again.
 //!
 //! The input is segments, their limits, and an initial motion within the velocity and acceleration
-//! limits ([`SweptNode`]: time, share of the segment, speed); `iiwa-traj` builds trajectories from
-//! the solution.
+//! limits ([`SweptNode`]s); `iiwa-traj` builds trajectories from the solution.
 //!
 //! The example solves for a line, a blend and a line, from rest to rest, on a mesh of the usual
 //! fineness, 1.0. In a `SweptNode`, `p` is the share of the segment, `rate` is dp/dt, and `u` is
@@ -33,7 +33,7 @@
 //!     .ptp_deg([20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 //!     .build();
 //! let path = JointPath::new(&program, &Robot::default())?;
-//! // A feasible motion, slower than the optimum: the starting point of the solver.
+//! // Rough initial motion, sufficient for this example: constant speed, 1 s per segment.
 //! let swept = [0.0, 0.5, 1.0].map(|p| SweptNode { t_s: p, p, rate: 1.0, u: [0.0; 2] });
 //! let segments: Vec<_> = path
 //!     .steps()

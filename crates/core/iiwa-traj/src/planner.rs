@@ -27,22 +27,22 @@ use crate::{
 // "Further limits" are all limits other than velocity, acceleration and jerk: torque limits and
 // those of `Planner::with_limit`. Below are ratios of a value to its limit.
 
-/// Largest ratio at which a section that was planned without further limits is accepted.
+/// Largest ratio up to which a section planned without further limits is kept.
 const TOLERANCE: f64 = 1.005;
 
-/// Ratio in the plan with velocity and acceleration limits only, from which on the plan with jerk
-/// limits probably exceeds the further limit as well.
+/// If the ratio in the plan without jerk limits is at least this, the plan with jerk limits
+/// probably exceeds the further limit, too.
 const LIKELY: f64 = 1.03;
 
-/// Largest ratio in an accepted plan.
+/// Largest ratio in a section planned with further limits; above it, planning fails.
 const MOST: f64 = 1.01;
 
-/// Margin in s for comparing times of plans of different lengths. In their common part, times
-/// differ by nanoseconds only.
+/// Margin in s for comparing times of plans of different lengths. It is large: in their common
+/// part, times differ by nanoseconds only.
 const PLANS_DIFFER_S: f64 = 0.02;
 
-/// Decision on a blend: to continue through the blend, or to stop before it. A program may send the
-/// next motion only after a wait that overlaps the motion before the blend.
+/// Decision on a blend: to continue through the blend, or to stop before it. It is necessary
+/// because a wait that overlaps the motion before the blend can delay the next motion.
 enum Decided {
     /// The program sends the next motion in time for the blend into it. `needed_s` is the latest
     /// time at which the motion has to be known, in s; negative infinity if it was not computed.
@@ -151,8 +151,8 @@ impl Planner {
         self.limit_as_sunrise();
     }
 
-    /// Sets a flag that ends planning in [`TimingError::Interrupted`] soon after it is set, within
-    /// a section as well.
+    /// Takes a flag: soon after the caller sets it to true, also within a section, planning ends
+    /// with [`TimingError::Interrupted`].
     #[must_use]
     pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = stop;
@@ -170,7 +170,7 @@ impl Planner {
     /// use iiwa_program::Program;
     /// use iiwa_traj::{Limit, PathLimit, PathRow, Planner, RowLimit, Timing, Trajectory};
     ///
-    /// /// The accelerations of joints 1 and 4 together, in rad/s^2.
+    /// /// Limit of the sum of the accelerations of joints 1 and 4, in rad/s^2.
     /// #[derive(Clone, Copy, Debug)]
     /// struct Together(f64);
     ///
@@ -387,9 +387,9 @@ impl Planner {
     /// it; otherwise the robot stops before that blend. Returns the section and the step at which
     /// it ends.
     ///
-    /// Later motions have no influence, and planning all of them for each decision would take time
-    /// proportional to the square of the number of moves. Therefore the plan starts short, and its
-    /// length doubles as long as all motions are known in time.
+    /// Later motions do not change whether a motion is known in time, and planning all of them for
+    /// each decision would take time proportional to the square of the number of moves. Therefore
+    /// the plan starts short, and its length doubles as long as all motions are known in time.
     fn plan_what_is_known(&mut self, moves: Range<usize>) -> Result<(Section, usize), TimingError> {
         /// Minimum number of blends that are planned beyond those known to be in time.
         const AHEAD: usize = 2;
@@ -399,8 +399,7 @@ impl Planner {
         // The robot has already stopped before the first move, even if that is a blend.
         let blends: Vec<usize> = (moves.start + 1..moves.end).filter(delays).collect();
         let mut in_time = 0;
-        // Latest time so far, in s, at which the motion after one of the preceding blends has to be
-        // known.
+        // Largest `needed_s` of the blends decided so far, in s.
         let mut needed_before_s = f64::NEG_INFINITY;
         loop {
             let end = blends.get(in_time + in_time.max(AHEAD)).copied().unwrap_or(moves.end);

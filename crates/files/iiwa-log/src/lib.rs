@@ -3,8 +3,8 @@
 //!
 //! | task | type |
 //! |---|---|
-//! | read positions and torques of a recording in any format | [`JointLog`] |
-//! | read everything in an MCAP recording | [`Recording`]; entry by entry: [`Reader`] |
+//! | read positions and torques of a recording in any supported format | [`JointLog`] |
+//! | read a whole MCAP recording, except `/tf` | [`Recording`]; entry by entry: [`Reader`] |
 //! | record a moving robot | [`Recorder`] |
 //! | write and read a plan | [`PlanWriter`], [`PlanRecord`] |
 //! | write joint states, transforms, poses and motions into any [`Write`] | [`Writer`] |
@@ -12,10 +12,11 @@
 //!
 //! A [`JointLog`] contains positions and torques over time, with the program and the robot if the
 //! file states them, from an MCAP file, a table such as CSV, Parquet (feature `parquet`), or a log
-//! of KUKA's `DataRecorder`. It rejects implausible data, and reports losses of a file. The file of
-//! a [`Recorder`] is readable and indexed at every moment: a killed process loses at most the last
-//! period, by default 1 s. An [`Arm`] computes the link frames, flange pose and URDF of messages;
-//! [`Topic`] lists the topics and their types.
+//! of KUKA's `DataRecorder`. It rejects implausible data, and lists gaps, repeated samples and
+//! assumed units as [`Loss`]. Between writes, the file of a [`Recorder`] is complete and indexed: a
+//! killed process loses at most the last period, by default 1 s, and the sample after it. An
+//! [`Arm`] computes what messages contain beside joint positions: link frames, flange pose and
+//! URDF; [`Topic`] lists the topics and their types.
 //!
 //! Lengths are in m, angles in rad, times in s. The same calls give the same bytes.
 //!

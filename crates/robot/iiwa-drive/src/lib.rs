@@ -1,13 +1,13 @@
 //! iiwaDrive, a server process (not a servo drive): connects the KUKA LBR iiwa, or a simulated one,
-//! to any number of clients.
+//! to clients.
 //!
 //! A [`Drive`] serves clients over the network; the crate `iiwa-link` contains these clients. The
 //! drive talks to the Sunrise controller over FRI, and to the robot program, the Java application
 //! of the folder `sunrise` that runs on the controller. The simulated cabinet of the crate
 //! `iiwa-cabinet` replaces both.
 //!
-//! Clients, drive and robot program are connected by `ZeroMQ` sockets (in capitals), the controller
-//! by UDP:
+//! Clients, drive and robot program are connected by `ZeroMQ` sockets (REQ, ROUTER and so on), the
+//! controller by UDP:
 //!
 //! ```text
 //! clients                    drive                        cabinet
@@ -16,7 +16,8 @@
 //!                                           UDP <------FRI------> UDP   controller
 //! ```
 //!
-//! A drive without keys (`open`), for this machine only:
+//! A drive without keys (`open`), for this machine only; its address for requests is called
+//! `instructions`:
 //!
 //! ```no_run
 //! use iiwa_drive::{Drive, DriveConfig};
