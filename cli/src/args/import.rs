@@ -10,7 +10,7 @@ use super::Answering;
 ///
 /// Given a project folder, an application is evaluated without a robot, and its motion program is
 /// written, with file and line of each motion. The robot and its flange are read from the project;
-/// if the project does not state them, lbr_iiwa_7_r800 and 152 mm are assumed, and listed as
+/// if the project does not state them, `lbr_iiwa_7_r800` and 152 mm are assumed, and listed as
 /// questions for --robot and --flange-mm. Dialogs, inputs and process data are answered by options
 /// or by an answers file; each question is listed with its answer. An application whose motions
 /// depend on values known only at run time is rejected, with file, line and reason. If the project

@@ -154,15 +154,13 @@ impl Output {
 pub fn destination(path: &Path) -> io::Result<PathBuf> {
     let mut real = path.to_owned();
     for _ in 0..MAX_LINKS {
-        match real.read_link() {
-            Ok(target) => real = folder_of(&real).join(target),
-            Err(_) => {
-                let in_folder = |folder: PathBuf| folder.join(real.file_name().unwrap_or_default());
-                let there = real.canonicalize();
-                let there = there.or_else(|_| folder_of(&real).canonicalize().map(in_folder));
-                return Ok(there.unwrap_or(real));
-            }
-        }
+        let Ok(target) = real.read_link() else {
+            let in_folder = |folder: PathBuf| folder.join(real.file_name().unwrap_or_default());
+            let existing = real.canonicalize();
+            let there = existing.or_else(|_| folder_of(&real).canonicalize().map(in_folder));
+            return Ok(there.unwrap_or(real));
+        };
+        real = folder_of(&real).join(target);
     }
     Err(io::Error::other("its symbolic links lead in a circle"))
 }
