@@ -91,8 +91,8 @@ fn parquet_files_have_the_rows_of_the_csv_file() {
     iiwasim(&folder, &["compare", "a.mcap", "a.parquet"]).success().stdout(contains("0.00 %"));
     assert_eq!(files(&folder), ["a.csv", "a.mcap", "a.parquet"]);
     // Files of another kind are kept, and those of a plan overwritten.
-    fs::write(folder.path().join("hand.json"), "{}").unwrap();
-    iiwasim(&folder, &["plan", &program, "--no-output", "--parquet", "hand.json"])
+    fs::write(folder.path().join("hand.txt"), "{}").unwrap();
+    iiwasim(&folder, &["plan", &program, "--no-output", "--parquet", "hand.txt"])
         .code(2)
         .stderr(contains("exists and is not a").and(contains("it is kept")));
     iiwasim(&folder, &["plan", &program, "--no-output", "--parquet", "a.parquet"]).success();
