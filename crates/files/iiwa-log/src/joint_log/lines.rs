@@ -5,7 +5,7 @@ use std::io::{self, BufRead, BufReader, Read};
 use memchr::memchr2;
 
 /// Line of a text file.
-pub(super) struct Line<'a> {
+pub(super) struct TextLine<'a> {
     /// Number of the line, from 1.
     pub(super) number: u64,
     /// The line without its end.
@@ -16,9 +16,9 @@ pub(super) struct Line<'a> {
 
 /// Reads lines that end with LF, CR or both.
 ///
-/// The `csv` crate counts LF only, and places a record at the blank lines before it: line numbers in
-/// messages would be wrong.
-pub(super) struct Lines<R> {
+/// The `csv` crate counts LF only, and places a record at the blank lines before it: its line
+/// numbers would be wrong in messages.
+pub(super) struct TextLines<R> {
     stream: BufReader<R>,
     line: Vec<u8>,
     number: u64,
@@ -26,7 +26,7 @@ pub(super) struct Lines<R> {
     after_cr: bool,
 }
 
-impl<R: Read> Lines<R> {
+impl<R: Read> TextLines<R> {
     /// Reads the lines after the line with the number `before`.
     pub(super) fn after(before: u64, stream: R) -> Self {
         let stream = BufReader::with_capacity(1 << 18, stream);
@@ -34,7 +34,7 @@ impl<R: Read> Lines<R> {
     }
 
     /// Reads the next line. Returns `None` at the end of the stream.
-    pub(super) fn next(&mut self) -> io::Result<Option<Line<'_>>> {
+    pub(super) fn next(&mut self) -> io::Result<Option<TextLine<'_>>> {
         self.line.clear();
         self.number += 1;
         let is_complete = loop {
@@ -59,7 +59,7 @@ impl<R: Read> Lines<R> {
             }
         };
         let Self { number, line, .. } = self;
-        let line = Line { number: *number, text: line, is_complete };
+        let line = TextLine { number: *number, text: line, is_complete };
         Ok(Some(line).filter(|line| line.is_complete || !line.text.is_empty()))
     }
 }

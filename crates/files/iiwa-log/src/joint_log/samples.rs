@@ -50,7 +50,8 @@ impl SampleCollector {
     /// Converts positions without a unit from degrees if one of them is beyond every joint range in
     /// rad, including those of earlier samples.
     fn assume_degrees(&mut self, place: FilePlace, degrees: &[f64; 7]) {
-        // The names of a table can state a unit; a damaged value must not change that of all others.
+        // The names of a table can state a unit: one damaged value must not change that of all
+        // others.
         if self.log.source == Some(PositionSource::Table) {
             return;
         }

@@ -6,7 +6,7 @@ use csv::{ByteRecord, ReaderBuilder};
 use memchr::memchr2;
 
 use super::columns::{ColumnRole, Columns, are_columns};
-use super::lines::{Line, Lines};
+use super::lines::{TextLine, TextLines};
 use super::samples::SampleCollector;
 use super::shown::{MAX_NAME, shown};
 use super::{FilePlace, JointLog, JointLogError, LogOptions, Loss};
@@ -26,7 +26,7 @@ pub(super) fn read<R: Read>(
 
     let mut samples = SampleCollector::new(columns.source, columns.units());
     samples.log().robot.clone_from(&columns.robot);
-    let mut lines = Lines::after(header.line, Cursor::new(&head[header.end..]).chain(stream));
+    let mut lines = TextLines::after(header.line, Cursor::new(&head[header.end..]).chain(stream));
     let mut origin = None;
     let mut cut_off = None;
     while let Some(line) = lines.next()? {
@@ -112,7 +112,7 @@ fn starts_with_number(line: &[u8]) -> bool {
 }
 
 impl TableHeader<'_> {
-    /// Delimiter of the fields; any number of spaces if there is no other delimiter.
+    /// Delimiter of the fields; by default any number of spaces.
     fn layout(&self) -> Layout {
         let delimiter = [b';', b'\t', b','].into_iter().find(|d| self.text.contains(d));
         Layout { delimiter: delimiter.unwrap_or(b' ') }
@@ -181,7 +181,11 @@ struct TableRow {
 }
 
 impl TableRow {
-    fn parse(columns: &Columns, layout: Layout, line: &Line<'_>) -> Result<Self, JointLogError> {
+    fn parse(
+        columns: &Columns,
+        layout: Layout,
+        line: &TextLine<'_>,
+    ) -> Result<Self, JointLogError> {
         let expected = columns.roles.len();
         let mut row = Self::default();
         let mut count = 0;
