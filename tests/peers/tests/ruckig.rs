@@ -1,4 +1,4 @@
-//! Straight motions from rest to rest under limits of jerk, against ruckig: the implementation of
+//! Straight motions from rest to rest under jerk limits, against ruckig: the implementation of
 //! the crate `rsruckig`.
 
 use iiwa_kin::{Joints, Robot};

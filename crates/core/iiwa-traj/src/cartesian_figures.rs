@@ -11,7 +11,7 @@ const SAMPLES: u32 = 4;
 /// Figures of a motion whose target is a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CartesianFigures {
-    /// Top speed of the TCP, in m/s.
+    /// Top TCP speed, in m/s.
     pub tcp_speed_peak_m_s: f64,
     /// Point at which the robot is nearest to a singularity.
     pub nearest_singularity: NearestSingularity,

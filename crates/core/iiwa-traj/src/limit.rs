@@ -38,7 +38,7 @@ pub enum Limit {
     },
 }
 
-/// Quantity with limits of velocity, acceleration and jerk.
+/// Quantity with velocity, acceleration and jerk limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Limited {

@@ -278,7 +278,7 @@ impl Planner {
         Ok(())
     }
 
-    /// Adds the moves of `steps` to `section`, under limits of velocity and acceleration and
+    /// Adds the moves of `steps` to `section`, under velocity and acceleration limits and
     /// further `limits`.
     fn sweep(
         &mut self,

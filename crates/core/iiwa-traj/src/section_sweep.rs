@@ -117,8 +117,8 @@ pub(crate) struct Moves<'a> {
     pub(crate) limits: &'a [StepLimits],
 }
 
-/// Plans `moves` and adds them to `section`, as pieces that keep the limits of velocity and
-/// acceleration and all further limits of their steps.
+/// Plans `moves` and adds them to `section`, as pieces that keep the velocity, acceleration and
+/// further limits of their steps.
 pub(crate) fn sweep_moves(
     moves: &Moves<'_>,
     scratch: &mut SweepScratch,

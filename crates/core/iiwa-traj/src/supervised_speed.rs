@@ -133,7 +133,7 @@ impl SupervisedPiece<'_> {
         nodes
     }
 
-    /// Returns the usage of the limits of velocity and acceleration.
+    /// Returns the usage of the velocity and acceleration limits.
     fn usage(&self, nodes: &[Node], limits: &MotionLimits) -> LimitUsage {
         let [speed, acceleration] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
         // The eighth element is the supervised speed: dp/dt over its maximum.

@@ -50,7 +50,7 @@ impl Default for Timing {
 }
 
 impl Timing {
-    /// Creates timing with limits of velocity, acceleration and jerk everywhere, for set-points
+    /// Creates timing with velocity, acceleration and jerk limits everywhere, for set-points
     /// that are commanded point by point.
     #[must_use]
     pub fn jerk_limited() -> Self {

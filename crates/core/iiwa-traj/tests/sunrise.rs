@@ -118,7 +118,7 @@ pub(crate) fn pose() -> impl Strategy<Value = Joints> {
 }
 
 proptest! {
-    /// Far and near, fast and slow: the limits of velocity and acceleration are kept at every
+    /// Far and near, fast and slow: the velocity and acceleration limits are kept at every
     /// instant, the acceleration is continuous, and stamps increase.
     #[test]
     fn limits_are_kept(

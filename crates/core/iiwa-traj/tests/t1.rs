@@ -23,7 +23,7 @@ const PROGRAM: &str = r#"{
     ]
 }"#;
 
-/// Returns the largest speeds of the TCP and of the flange, in m/s.
+/// Returns the largest TCP and flange speeds, in m/s.
 fn speeds(text: &str, timing: Timing) -> ([f64; 2], f64) {
     let robot = Robot::lbr_iiwa_7_r800();
     let program = Program::from_json(text).unwrap();
