@@ -275,6 +275,16 @@ fn a_replay_is_followed_as_a_drive_and_moves_nothing() {
     assert_eq!(client.state().unwrap().joints_rad, None);
     let refused = client.run_motions(to(0.1), Some(LONG)).unwrap_err();
     assert!(matches!(refused, ClientError::Refused { .. }), "{refused}");
+    // A subscription takes effect some time after it was sent: messages before are not received.
+    let mut warm_up = Player::new(&drive, 100.0);
+    let short = Duration::from_millis(20);
+    let end = Instant::now() + LONG;
+    while stream.next(short).unwrap().is_none() {
+        assert!(Instant::now() < end);
+        let idle = message(0, Content::State { t_s: 0.0, state: DriveState::Idle });
+        assert!(warm_up.play(idle, || false).is_continue());
+    }
+    while stream.next(short).unwrap().is_some() {}
     let mut player = Player::new(&drive, 100.0);
     let mut next = || stream.next(Duration::from_secs(30)).unwrap();
     for seq in 0..200 {
