@@ -116,7 +116,7 @@ pub(crate) struct Experiment {
         default_missing_value = "10", value_parser = percent_above_zero, requires = "drive")]
     pub(crate) move_to_start: Option<f64>,
 
-    /// Address of the drive's stream of joint positions and states
+    /// Address at which the drive sends joint positions and its state
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,

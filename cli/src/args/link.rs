@@ -265,7 +265,7 @@ pub(crate) struct Run {
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
-    /// Address of the drive's stream of joint positions and states (second port of the drive)
+    /// Address at which the drive sends joint positions and its state (its second port)
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,
@@ -309,7 +309,7 @@ pub(crate) struct Record {
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
-    /// Address of the drive's stream of joint positions and states
+    /// Address at which the drive sends joint positions and its state
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,
@@ -338,7 +338,7 @@ pub(crate) struct Status {
     #[arg(long)]
     pub(crate) watch: bool,
 
-    /// Address of the drive's stream of joint positions and states
+    /// Address at which the drive sends joint positions and its state
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,

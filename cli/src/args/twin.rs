@@ -65,7 +65,7 @@ pub(crate) struct Twin {
     #[arg(long, value_name = "NAME|FILE", default_value = "lbr_iiwa_7_r800")]
     pub(crate) robot: String,
 
-    /// Address of the drive's stream of joint positions and states
+    /// Address at which the drive sends joint positions and its state
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,

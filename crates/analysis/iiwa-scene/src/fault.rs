@@ -84,7 +84,7 @@ pub enum SceneFault {
     },
     /// Ignored pair with a link or an obstacle that does not exist. Pairs are numbered from 0 here.
     #[error(
-        "ignored pair {}: there is no link {} or no obstacle {}",
+        "ignored pair {}: link {} or obstacle {} does not exist",
         .pair + 1,
         .found.link,
         .found.obstacle + 1

@@ -48,7 +48,7 @@ impl RunningServer {
         robots: Vec<RobotPlan>,
     ) -> Result<Self, OpcUaError> {
         if options.users.is_empty() && !options.anonymous && !options.unsecured {
-            let message = "nobody could log in: name users, or allow anonymous ones".to_owned();
+            let message = "no user can log in: name users, or allow anonymous users".to_owned();
             return Err(OpcUaError::Server { message });
         }
         let users = Users::new(options.users.clone(), options.anonymous)?;

@@ -292,7 +292,7 @@ fn invalid_settings_are_reported() {
         OpcUa::serve(&options, robots).err().unwrap()
     };
     let nobody = error(&|options| options.users.clear(), vec![robot("a")]);
-    assert!(nobody.to_string().contains("nobody could log in"), "{nobody}");
+    assert!(nobody.to_string().contains("no user can log in"), "{nobody}");
     let twice = error(&|_| {}, vec![robot("a"), robot("a")]);
     assert!(matches!(&twice, OpcUaError::SameName { name } if name == "a"), "{twice}");
 

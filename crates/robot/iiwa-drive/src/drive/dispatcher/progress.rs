@@ -186,7 +186,7 @@ impl<C> Dispatcher<C> {
                 self.fail(run, error, now);
             }
         }
-        // After `finish`: a run that has just ended no longer delays the replies to stops.
+        // After `finish`, so that a run that has just ended does not delay the replies to stops.
         self.reply_to_stoppers(now);
         self.send_next(now);
         self.reject_overdue(now);
