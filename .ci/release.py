@@ -3,14 +3,15 @@
 
     .ci/release.py                              for this machine
     .ci/release.py --target TRIPLE              for another one
-    .ci/release.py --zig 2.17 [--target TRIPLE] for Linux with this glibc or a newer one, by cargo-zigbuild
+    .ci/release.py --zig 2.17 [--target TRIPLE] for Linux with this glibc or a newer one, by
+                                                cargo-zigbuild
     .ci/release.py --deb                        a Debian package, too (needs dpkg-deb)
     .ci/release.py --wheel                      the Python package as a wheel, too (needs maturin)
-    .ci/release.py --binary FILE                packs what is built already, with the library for C beside it
+    .ci/release.py --binary FILE                packs a binary, with the library for C beside it
 
-All are in target/archives, with their checksums: the program, manual pages and completions, licences (those of the crates
-in it as well), programs to begin with, the library for C, and the robot program for the cabinet. The same binary gives
-the same archive.
+The archives are in target/archives, with their checksums. They contain the program, manual pages
+and completions, licences (those of the crates in it as well), programs to begin with, the library
+for C, and the robot program for the cabinet. The same binary gives the same archive.
 """
 
 import argparse

@@ -10,7 +10,7 @@ fn main() {
     println!("cargo::rustc-env=IIWASIM_BUILD={build}");
 }
 
-/// The commit of the repository that this crate lies in, and whether files differ from it.
+/// The commit of the repository that contains this crate, and whether files differ from it.
 fn commit() -> Option<String> {
     let git = |arguments: &[&str]| {
         let output = Command::new("git").args(arguments).output().ok()?;

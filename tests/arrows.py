@@ -12,6 +12,7 @@ import json
 import re
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -89,7 +90,10 @@ def folder_list(folders: dict[str, str]) -> str:
     lines = []
     for folder in sorted(set(folders.values()) - {"cli"}):
         names = ", ".join(f"`{name}`" for name in sorted(folders) if folders[name] == folder)
-        lines.append(f"- `crates/{folder}`: {names}")
+        line = f"- `crates/{folder}`: {names}"
+        lines += textwrap.wrap(
+            line, 100, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+        )
     return "\n".join(lines)
 
 

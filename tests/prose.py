@@ -34,12 +34,15 @@ HABITS = {
     ),
     "household verb": re.compile(r"\b(stands|comes|goes|lies|hangs)\b(?! from)"),
     "genitive in place of a compound": re.compile(
-        r"\b(limits|speeds?|paths?|poses?|blends?|frames?) of (the TCP|torques?|velocity|acceleration|jerk)\b"
+        r"\b(limits|speeds?|paths?|poses?|blends?|frames?) of "
+        r"(the TCP|torques?|velocity|acceleration|jerk)\b"
         r"|\b(messages|topics) of (the|a) (bridge|drive|link)\b|\bnames? of (the )?topics?\b"
     ),
     "ellipsis": re.compile(r"^(That|Those|The same) (of|for)\b|\b\w+s a (second|minute)\b"),
 }
 LONG = "line above 100 columns"
+# A row of a Markdown table in the documentation of Rust, or in a docstring of Python.
+TABLE_ROW = re.compile(r"\s*(?://[/!] )?\|.*\|$")
 AMBIGUOUS = "type name of several crates"
 # Type names that several crates may define, by reason, with these crates.
 SAME_MEANING = {
@@ -161,9 +164,11 @@ def places() -> Iterator[tuple[str, str, int, str]]:
         for number, line in enumerate(text.splitlines(), 1):
             if suffix == ".md" and line.lstrip().startswith("```"):
                 is_code = not is_code
-            # Tables, links and code of documents cannot be wrapped.
-            is_fixed = "://" in line or (
-                suffix == ".md" and (is_code or "|" in line or "](" in line)
+            # Tables and links cannot be wrapped, nor code and comments for checkers in documents.
+            is_fixed = (
+                "://" in line
+                or TABLE_ROW.match(line)
+                or (suffix == ".md" and (is_code or "|" in line or "](" in line or "<!-- " in line))
             )
             if len(line) > MOST_COLUMNS and not is_fixed:
                 yield LONG, name, number, line

@@ -31,11 +31,22 @@ def metadata(workspace: str) -> dict:
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
 
 
+def sources(pattern: str, folder: Path = ROOT) -> list[Path]:
+    """Files that git tracks or would track.
+
+    Builds may run at the same time: files in their folders appear and disappear during a walk.
+    """
+    command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard", "--", pattern]
+    names = subprocess.run(command, cwd=folder, check=True, stdout=subprocess.PIPE, text=True)
+    files = (folder / name for name in names.stdout.split("\0") if name)
+    return [file for file in files if file.exists()]
+
+
 def code(folder: Path, others: set[Path]) -> str:
     """The Rust code of a package, without comments and without packages in its subfolders."""
     lines = []
-    for file in folder.rglob("*.rs"):
-        if not others.intersection(file.parents) and "target" not in file.relative_to(folder).parts:
+    for file in sources("*.rs", folder):
+        if not others.intersection(file.parents):
             lines += [line.split("//")[0] for line in file.read_text().splitlines()]
     return "\n".join(lines)
 
@@ -51,7 +62,7 @@ def unused(workspace: str) -> list[str]:
     members = [
         package for package in found["packages"] if package["id"] in found["workspace_members"]
     ]
-    folders = {Path(file).parent for file in ROOT.rglob("Cargo.toml") if "target" not in file.parts}
+    folders = {file.parent for file in sources("*Cargo.toml")}
     lines = []
     for package in members:
         folder = Path(package["manifest_path"]).parent

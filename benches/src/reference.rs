@@ -46,7 +46,7 @@ pub fn ten_motions() -> Result<String> {
 pub fn ten_motions_jerk_s() -> Result<f64> {
     let cases = cases()?;
     let time = cases.first().and_then(|case| case["motion_s"]["jerk"].as_f64());
-    time.ok_or_else(|| "the first reference program has no time under limits of jerk".into())
+    time.ok_or_else(|| "the first reference program has no time under jerk limits".into())
 }
 
 /// Search for the start or the end of a blend.

@@ -12,6 +12,7 @@ mod bridge_ros2;
 #[cfg(feature = "bridge")]
 mod broker_access;
 mod compare;
+mod diff;
 #[cfg(feature = "live")]
 mod experiment;
 #[cfg(feature = "sunrise")]
@@ -58,6 +59,7 @@ pub(crate) use bridge_opcua::OpcUa;
 #[cfg(feature = "ros2")]
 pub(crate) use bridge_ros2::{RetimeGoals, Ros2};
 pub(crate) use compare::Compare;
+pub(crate) use diff::Diff;
 pub(crate) use identify::Identify;
 pub(crate) use log_reading::LogReading;
 pub(crate) use model::{Fk, Ik, OutputFormat, Robot, Schema, ToolAndBase};
@@ -85,17 +87,18 @@ pub(crate) use {export::Export, import::Import};
 
 const EXIT_CODES: &str = "\
 Exit codes:
-  0  done
-  1  failed while running (a file could not be written, or an interrupt)
+  0  success
+  1  failure at run time, such as a file that cannot be written, or an interrupt
   2  wrong usage or invalid input
-  3  done, but a gate such as --max-cycle-time was not met, or some of many programs failed";
+  3  success, but a gate such as --max-cycle-time was violated, or some programs of several failed";
 
 const FILES: &str = "\
 Files:
-  Generated files of the same kind are overwritten: trajectories, tables,
-  pictures, reports, results of `experiment --simulate`. Recordings of a robot,
-  and files that may have been edited by hand (robot profiles, frames), are
-  kept unless --overwrite is given. Key files are never overwritten.";
+  Trajectories, tables, pictures, reports and results of `experiment
+  --simulate` replace an existing file of the same type; a file of another type
+  is an error. Recordings of a robot, and files that may have been edited by
+  hand (robot profiles, frames), are replaced only with --overwrite. Key files
+  are never replaced.";
 
 /// Returns exit codes, files, settings, and the commands that this build lacks.
 fn help() -> String {
@@ -179,6 +182,7 @@ fn with_optional_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsStri
 pub(crate) enum CliCommand {
     Plan(Plan),
     Compare(Compare),
+    Diff(Diff),
     Report(Report),
     Identify(Identify),
     Validate(Validate),

@@ -1,7 +1,6 @@
 //! Files of a URDF: its text, and the meshes that it names.
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -66,7 +65,7 @@ impl Files {
 
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         let path = self.path_of(name)?;
-        fs::read(&path).map_err(|error| match error.kind() {
+        iiwa_files::read(&path).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => format!("no such file: {}", path.display()),
             _ => format!("cannot read {}: {error}", path.display()),
         })
@@ -79,6 +78,8 @@ impl Files {
             return Ok(folder.join(name.strip_prefix("file://").unwrap_or(name)));
         };
         let (package, file) = rest.split_once('/').unwrap_or((rest, ""));
+        // A further slash must not make the path absolute.
+        let file = file.trim_start_matches('/');
         let folders = self.packages(package);
         match folders.iter().map(|folder| folder.join(file)).find(|path| path.is_file()) {
             Some(path) => Ok(path),

@@ -1,6 +1,6 @@
 //! Broker access, and broker errors.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use iiwa_bridge::{
     BridgeError, BrokerAccess, Credentials,
@@ -54,7 +54,7 @@ fn broker_access(options: &args::BrokerAccess<'_>) -> Result<BrokerAccess, Failu
 
 /// Returns the user with the password from the first line of a file.
 pub(crate) fn credentials(user: &str, file: &Path) -> Result<Credentials, Failure> {
-    let text = fs::read_to_string(file).map_err(|error| {
+    let text = iiwa_files::read_text(file).map_err(|error| {
         Failure::input(format!("cannot read the password in {}: {error}", file.display()))
     })?;
     let password = text.lines().next().unwrap_or_default().to_owned();

@@ -4,6 +4,7 @@
 pub(crate) mod brokers;
 pub(crate) mod compare;
 pub(crate) mod completions;
+pub(crate) mod diff;
 pub(crate) mod fk;
 pub(crate) mod identify;
 pub(crate) mod ik;

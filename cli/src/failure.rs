@@ -3,11 +3,11 @@
 use std::{error::Error, io::Write as _, ops::Range, path::Path};
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
-use iiwa_files::{OutputError, folder_of};
-use iiwa_json::{JsonPlace, printable};
+use iiwa_files::{OutputError, folder_of, interrupt};
+use iiwa_json::{JsonPlace, further_errors, printable, without_mark};
 use iiwa_page::PageError;
-use iiwa_program::ProgramError;
-use iiwa_report::{ReportError, with_causes};
+use iiwa_program::{MAX_ERRORS, ProgramError};
+use iiwa_report::{ErrorRecord, ProgramErrors, ReportError, with_causes};
 use iiwa_traj::{PlanError, TimingError};
 
 use crate::file_kind::{JsonKind, other_kind};
@@ -16,7 +16,7 @@ use crate::file_kind::{JsonKind, other_kind};
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The input is invalid.
-    Input(Box<Problem>),
+    Input(Vec<Problem>),
     /// The command failed at run time.
     Run { message: String, cause: Option<String> },
     /// The command succeeded, but a gate was violated.
@@ -27,28 +27,41 @@ impl Failure {
     /// Creates a failure for invalid input, without an excerpt.
     pub(crate) fn input(message: impl Into<String>) -> Self {
         let message = printable(&message.into());
-        Self::Input(Box::new(Problem { message, excerpt: None }))
+        Self::Input(vec![Problem { message, placed: None, excerpt: None }])
     }
 
     /// Creates a failure for a fault at a place in a text.
     pub(crate) fn in_text(message: &str, place: &JsonPlace, name: &str, text: &str) -> Self {
+        // Places are counted from behind a byte order mark.
+        let text = without_mark(text);
         // Only the beginning of a long object is marked.
-        let marked = place.span.start..place.span.end.min(place.span.start + 60);
+        let Range { start, end } = place.span;
+        let is_boundary = |byte: &usize| text.is_char_boundary(*byte);
+        let end = (start..=end.min(start + 60)).rev().find(is_boundary).unwrap_or(start);
+        let marked = start..end;
         let excerpt = can_be_shown(text, place).then(|| Excerpt {
             name: printable(name),
             text: text.to_owned(),
             marked,
         });
-        Self::Input(Box::new(Problem {
-            message: printable(&format!("{name}, {place}: {message}")),
-            excerpt,
-        }))
+        let JsonPlace { line, column, .. } = place;
+        let placed = ErrorRecord {
+            file: Some(name.to_owned()),
+            line: Some(*line),
+            column: Some(*column),
+            message: message.to_owned(),
+        };
+        let message = printable(&format!("{name}, {place}: {message}"));
+        Self::Input(vec![Problem { message, placed: Some(placed), excerpt }])
     }
 
     /// Converts the error of a program called `name` that cannot be read from `text` or planned.
     pub(crate) fn program(error: &iiwa_plan::Error, name: &str, text: &str) -> Self {
         use iiwa_plan::Error;
         match error {
+            Error::Several(errors) => {
+                Self::several(errors.iter().map(|error| Self::program(error, name, text)))
+            }
             Error::Program(ProgramError::Included { name: included, text, error, .. }) => {
                 let file = folder_of(Path::new(name)).join(included).display().to_string();
                 Self::in_text(&error.message(), error.place(), &file, text)
@@ -60,7 +73,7 @@ impl Failure {
                 )
             }
             Error::UnknownRobot { place, .. } => {
-                let message = format!("{}; --robot takes any other", error.message());
+                let message = format!("{}; --robot accepts any other robot", error.message());
                 Self::in_text(&message, place, name, text)
             }
             Error::Plan { error: plan, .. } => match &**plan {
@@ -82,6 +95,18 @@ impl Failure {
         match error.place() {
             Some(place) => Self::in_text(&error.message(), place, name, text),
             None => Self::input(error.to_string()),
+        }
+    }
+
+    /// Creates a failure from several failures that are independent of each other.
+    pub(crate) fn several(failures: impl Iterator<Item = Self>) -> Self {
+        Self::Input(failures.flat_map(Self::into_problems).collect())
+    }
+
+    fn into_problems(self) -> Vec<Problem> {
+        match self {
+            Self::Input(problems) => problems,
+            other => vec![Problem { message: other.message(), placed: None, excerpt: None }],
         }
     }
 
@@ -107,11 +132,11 @@ impl Failure {
     /// Adds the name of the program as a prefix, unless the text begins with it already.
     pub(crate) fn about(mut self, program: &str) -> Self {
         let program = printable(program);
-        let message = match &mut self {
-            Self::Input(problem) => Some(&mut problem.message),
-            Self::Run { message, .. } | Self::Gate(message) => Some(message),
+        let messages = match &mut self {
+            Self::Input(problems) => problems.iter_mut().map(|it| &mut it.message).collect(),
+            Self::Run { message, .. } | Self::Gate(message) => vec![message],
         };
-        if let Some(message) = message {
+        for message in messages {
             let begins = message.strip_prefix("cannot read ").unwrap_or(message);
             let rest = begins.strip_prefix(&program);
             if !rest.is_some_and(|rest| rest.starts_with([',', ':', ' '])) {
@@ -124,16 +149,39 @@ impl Failure {
     /// Formats the failure in one line.
     pub(crate) fn message(&self) -> String {
         match self {
-            Self::Input(problem) => problem.message.clone(),
+            Self::Input(problems) => {
+                let [first, others @ ..] = problems.as_slice() else { return String::new() };
+                format!("{}{}", first.message, further_errors(others.len()))
+            }
             Self::Run { message, cause: Some(cause) } => format!("{message}: {cause}"),
             Self::Run { message, cause: None } | Self::Gate(message) => message.clone(),
         }
     }
 
+    /// Returns the errors for JSON output.
+    pub(crate) fn errors(&self) -> ProgramErrors {
+        let placeless =
+            |message: String| ErrorRecord { file: None, line: None, column: None, message };
+        let errors = match self {
+            Self::Input(problems) => problems
+                .iter()
+                .map(|it| it.placed.clone().unwrap_or_else(|| placeless(it.message.clone())))
+                .collect(),
+            _ => vec![placeless(self.message())],
+        };
+        ProgramErrors { error: self.message(), errors }
+    }
+
     /// Formats the failure for standard error.
     pub(crate) fn text(&self) -> String {
         let text = match self {
-            Self::Input(problem) => problem.text(),
+            Self::Input(problems) => {
+                let mut texts: Vec<_> = problems.iter().map(Problem::text).collect();
+                if problems.len() == MAX_ERRORS {
+                    texts.push(format!("These are {MAX_ERRORS} errors; there may be more."));
+                }
+                texts.join("\n")
+            }
             Self::Run { .. } => format!("Error: {}", self.message()),
             Self::Gate(condition) => format!("Gate not met: {condition}"),
         };
@@ -149,6 +197,10 @@ impl From<PageError> for Failure {
 
 impl From<&PageError> for Failure {
     fn from(error: &PageError) -> Self {
+        // An interrupt makes reading from a pipe fail.
+        if interrupt::has_come() {
+            return Self::interrupted();
+        }
         let hint = match error {
             PageError::UnknownRobot { .. } => "; name its profile with --robot",
             PageError::Recording { name, .. }
@@ -206,6 +258,8 @@ fn can_be_shown(text: &str, place: &JsonPlace) -> bool {
 #[derive(Debug)]
 pub(crate) struct Problem {
     message: String,
+    /// Error with its place, if it is in a text.
+    placed: Option<ErrorRecord>,
     excerpt: Option<Excerpt>,
 }
 

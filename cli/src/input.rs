@@ -1,13 +1,13 @@
 //! Reading programs, robot profiles, scenes and recordings.
 
 use std::{
-    fs::{self, File},
-    io::{self, Read},
+    io,
     path::Path,
     sync::{Arc, OnceLock},
 };
 
-use iiwa_files::{NotBeside, beside};
+use iiwa_files::{self as files, NotBeside, NotUtf8, beside, interrupt};
+use iiwa_json::UTF_16;
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, Positions};
 use iiwa_plan::{Plan, PlanRequest, ProgramSource};
@@ -23,6 +23,11 @@ use crate::{
     file_kind::{JsonKind, binary_hint, other_kind},
 };
 
+/// Returns true if a file is read from standard input.
+pub(crate) fn is_stdin(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
 /// Name and text of a file.
 #[derive(Debug)]
 pub(crate) struct FileText {
@@ -33,23 +38,29 @@ pub(crate) struct FileText {
 impl FileText {
     /// Reads a file, or standard input for `-`.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
-        let (name, bytes) = if path == Path::new("-") {
-            let mut bytes = Vec::new();
-            let read = io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes);
-            ("standard input".to_owned(), read)
+        let (name, bytes) = if is_stdin(path) {
+            ("standard input".to_owned(), files::read_stdin())
         } else {
-            (path.display().to_string(), fs::read(path))
+            (path.display().to_string(), files::read(path))
         };
-        let bytes =
-            bytes.map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
-        match String::from_utf8(bytes) {
-            Ok(text) => Ok(Self { text: text.trim_start_matches('\u{feff}').to_owned(), name }),
+        let bytes = bytes.map_err(|error| unreadable(&name, &error))?;
+        match files::text(bytes) {
+            Ok(text) => Ok(Self { name, text }),
+            Err(NotUtf8::Utf16(_)) => Err(Failure::input(format!("{name} is {UTF_16}"))),
             Err(error) => {
                 let hint = binary_hint(error.as_bytes());
                 Err(Failure::input(format!("{name} is not text in UTF-8{hint}")))
             }
         }
     }
+}
+
+/// Returns the failure for a file that cannot be read; an interrupt ends the wait for a pipe.
+pub(crate) fn unreadable(name: &str, error: &io::Error) -> Failure {
+    if interrupt::has_come() {
+        return Failure::interrupted();
+    }
+    Failure::input(format!("cannot read {name}: {error}"))
 }
 
 /// Robot of programs and commands that name none, if it is not the default model.
@@ -169,17 +180,12 @@ fn mesh(path: &Path, name: &str) -> Result<Vec<u8>, String> {
         }
         reason => reason.to_string(),
     })?;
-    fs::read(&file).map_err(|error| format!("cannot read {}: {error}", file.display()))
+    files::read_mesh(&file)
 }
 
-/// Opens a file.
-pub(crate) fn open(path: &Path) -> Result<File, Failure> {
-    let to_failure = |error| Failure::input(format!("cannot read {}: {error}", path.display()));
-    let file = File::open(path).map_err(to_failure)?;
-    if file.metadata().is_ok_and(|kind| kind.is_dir()) {
-        return Err(to_failure(io::Error::from(io::ErrorKind::IsADirectory)));
-    }
-    Ok(file)
+/// Opens a file or a pipe.
+pub(crate) fn open(path: &Path) -> Result<files::InputFile, Failure> {
+    files::InputFile::open(path).map_err(|error| unreadable(&path.display().to_string(), &error))
 }
 
 /// Reads a recording in any format with joint positions.
@@ -191,6 +197,9 @@ pub(crate) fn recording(
     JointLog::read_with(open(path)?, reading.options(default))
         .and_then(|log| log.check_rate().map(|()| log))
         .map_err(|error| {
+            if interrupt::has_come() {
+                return Failure::interrupted();
+            }
             let hint = match path.extension() {
                 Some(extension) if extension == "json" => "; a program has to be planned first",
                 _ => "",
@@ -204,7 +213,7 @@ pub(crate) fn find_robot(name: &str) -> Result<Robot, Failure> {
     let path = Path::new(name);
     match Robot::built_in(name) {
         Some(robot) => Ok(robot),
-        None if path.is_file() => robot_of(&FileText::read(path)?),
+        None if path.exists() && !path.is_dir() => robot_of(&FileText::read(path)?),
         None => Err(Failure::input(unknown_robot(name, path))),
     }
 }

@@ -2,8 +2,9 @@
 //!
 //! Results go to standard output, everything else to standard error. Only this file sets the exit
 //! code: 0 success; 1 failure at run time; 2 wrong usage or invalid input; 3 success, but a gate
-//! was violated, or some of many programs failed.
+//! was violated, or some programs of several failed.
 
+mod application;
 mod args;
 mod arm_files;
 #[cfg(feature = "bridge")]
@@ -28,6 +29,7 @@ mod service_log;
 mod settings;
 #[cfg(feature = "sunrise")]
 mod sunrise;
+mod terminal;
 mod trace;
 #[cfg(feature = "live")]
 mod twin_failure;
@@ -70,6 +72,7 @@ fn run(command: CliCommand) -> Result<(), Failure> {
     match command {
         CliCommand::Plan(options) => commands::plan::run(&options),
         CliCommand::Compare(options) => commands::compare::run(&options),
+        CliCommand::Diff(options) => commands::diff::run(&options),
         CliCommand::Validate(options) => commands::validate::run(&options),
         CliCommand::Report(options) => commands::report::run(&options),
         CliCommand::Identify(options) => commands::identify::run(&options),

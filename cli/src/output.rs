@@ -55,7 +55,9 @@ pub(crate) fn keep_others<'a>(
     other: impl IntoIterator<Item = (&'a str, &'a Path)>,
     option: &str,
 ) -> Result<(), Failure> {
-    match other.into_iter().find(|(_, path)| same_file(target, path)) {
+    // `-` is standard input or output, not a file.
+    let is_dash = target == Path::new("-");
+    match other.into_iter().find(|(_, path)| !is_dash && same_file(target, path)) {
         None => kind.check_name(target),
         Some((other, path)) => Err(Failure::input(format!(
             "the {} would be written over the {other}, {}; name another file with {option}",

@@ -10,9 +10,12 @@ use iiwa_link::{
 };
 use iiwa_log::{Config, JointLog, WriteError};
 use iiwa_plan::PlanOptions;
-use iiwa_program::{Motion, MotionList, Ptp};
+use iiwa_program::{IoEntry, Motion, MotionList, Ptp, Sources};
 use iiwa_traj::Trajectory;
-use iiwa_twin::runs::{DriveConnection, ExecutedRun, RunUpdate, execute, position};
+use iiwa_twin::{
+    run_parts::{RunPart, execute_parts},
+    runs::{DriveConnection, ExecutedRun, RunUpdate, execute, position},
+};
 
 use crate::{
     args::DriveAddress,
@@ -47,10 +50,35 @@ pub(crate) fn execute_with_progress(
     drive: &mut DriveConnection,
     request: &Request,
     planned_s: f64,
+    progress: Progress,
+) -> ExecutedRun {
+    with_progress(planned_s, progress, |on_event| {
+        execute(drive, request, interrupt::has_come, on_event)
+    })
+}
+
+/// Executes the parts of a program with inputs and outputs, of planned duration, in s, with a
+/// progress bar, and stops on an interrupt.
+pub(crate) fn execute_parts_with_progress(
+    drive: &mut DriveConnection,
+    parts: &[RunPart],
+    sources: &Sources,
+    label: &RunLabel,
+    planned_s: f64,
+) -> ExecutedRun {
+    with_progress(planned_s, Progress::of_run(), |on_event| {
+        execute_parts(drive, parts, sources, label, interrupt::has_come, on_event)
+    })
+}
+
+/// Shows the events of a run.
+fn with_progress(
+    planned_s: f64,
     mut progress: Progress,
+    run: impl FnOnce(&mut dyn FnMut(RunUpdate<'_>)) -> ExecutedRun,
 ) -> ExecutedRun {
     let mut stops = 0;
-    let run = execute(drive, request, interrupt::has_come, |event| match event {
+    let run = run(&mut |event| match event {
         RunUpdate::Progress(t_s) => progress.show_time(t_s, planned_s),
         RunUpdate::Stopped(stopped) => {
             progress.aside(|| match stopped {
@@ -65,6 +93,10 @@ pub(crate) fn execute_with_progress(
         }
         RunUpdate::StreamError(error) => {
             progress.aside(|| print_note(&format!("The stream broke off: {error}\n")));
+        }
+        RunUpdate::Waiting(IoEntry { io, value, .. }) => {
+            let io = printable(io);
+            progress.aside(|| print_note(&format!("Waiting until {io} is {value}\n")));
         }
     });
     progress.clear();

@@ -1,7 +1,7 @@
 //! Default option values: the file `iiwasim.toml`, and the environment.
 
 use std::{
-    env, fs,
+    env,
     path::{Path, PathBuf},
 };
 
@@ -70,7 +70,7 @@ impl SettingsFile {
 
     fn read_file(path: &Path) -> Result<Self, Failure> {
         let name = path.display().to_string();
-        let text = fs::read_to_string(path)
+        let text = iiwa_files::read_text(path)
             .map_err(|error| Failure::input(format!("cannot read {name}: {error}")))?;
         let settings: Self = toml::from_str(&text).map_err(|error| {
             let place = JsonPlace::of_span(&text, error.span().unwrap_or_default());

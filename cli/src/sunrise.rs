@@ -16,7 +16,7 @@ use crate::{
 /// Default file of answers, in the project folder.
 const ANSWERS_FILE: &str = "iiwasim-answers.toml";
 
-/// Project and import options of an application, beside its name.
+/// Project and import options of an application.
 pub(crate) struct ApplicationArgs {
     pub(crate) project: Project,
     pub(crate) options: ImportOptions,
@@ -73,14 +73,15 @@ pub(crate) fn program(
     // A missing duration has a separate note.
     let is_open = |question: &&Question| !question.is_given && question.kind != QuestionKind::Time;
     for question in import.questions.iter().filter(is_open) {
-        print_note(&printable(&format!(
-            "Note: {}:{} asks {:?}, answered by {}\n",
+        let note = format!(
+            "{}:{} asks {:?}, answered by {}",
             question.file, question.line, question.subject, question.answer
-        )));
+        );
+        print_note(&format!("Note: {}\n", printable(&note)));
     }
     for note in &import.notes {
         let text = with_options(&note.text);
-        print_note(&printable(&format!("Note: {}: {text}\n", note.source)));
+        print_note(&format!("Note: {}\n", printable(&format!("{}: {text}", note.source))));
     }
     Ok(Input::generated(import.application.name, import.program, import.robot))
 }

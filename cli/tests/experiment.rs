@@ -140,7 +140,7 @@ fn blends_of_the_tcp_are_those_of_the_virtual_robot() {
         ["figure-tcp-kappa.svg", "figure-tcp-paths.svg", "programs", "recordings", "report.md"];
     assert_eq!(listed(&folder, "out"), files);
     let report = text(&folder, "out/report.md");
-    assert!(report.starts_with("# An experiment with paths of the TCP"), "{report}");
+    assert!(report.starts_with("# An experiment with TCP paths"), "{report}");
     assert!(!report.contains("Not used"), "{report}");
     for row in ["way before the target", "way behind the target"] {
         assert!((number(&report, row, 1) - 1.0).abs() < 0.01, "{report}");
@@ -163,9 +163,9 @@ fn blends_of_the_tcp_are_those_of_the_virtual_robot() {
     assert_eq!(mine.blend_kappa(), Robot::default().blend_kappa());
     let printed = ["identify", "out/recordings/tcp-blends.mcap", "--no-output"];
     iiwasim(&folder, &printed).success().stdout(
-        contains("kappa of blends of the TCP = -2.0")
+        contains("kappa of TCP blends = -2.0")
             .and(contains("They begin and end at equal ways: confirmed"))
-            .and(contains("8 blends between joint space and a path of the TCP, at most away")),
+            .and(contains("8 blends between joint space and a TCP path, at most away")),
     );
 }
 

@@ -142,7 +142,7 @@ fn ramps_at_an_override() {
         contains("Ramps begin with constant snap, as under Sunrise: 2 motions")
             .and(contains("A1  98.00000"))
             .and(contains("R at stops, Nm/s: "))
-            .and(contains("they are the model's")),
+            .and(contains("keep the values of the model")),
     );
     iiwasim(&folder, &["identify", "slow.csv", "--override", "0"])
         .code(2)

@@ -54,7 +54,10 @@ fn taught_at(joints_deg: [f64; 7], robot: &Robot, device: &str) -> String {
     </frame>
   </world>
   <objectTemplates>
-    <toolTemplate name="Hand"><frames><frame name="TCP">{}</frame></frames><loadData mass="0.8"/></toolTemplate>
+    <toolTemplate name="Hand">
+      <frames><frame name="TCP">{}</frame></frames>
+      <loadData mass="0.8"/>
+    </toolTemplate>
     <workpieceTemplate name="Nut"/>
   </objectTemplates>
 </RoboticsAPIData>
@@ -97,7 +100,7 @@ fn a_program_uses_the_imported_cell() {
     assert_eq!(files(&folder), [DATA, "cell.json"]);
     let cell = fs::read_to_string(folder.path().join("cell.json")).unwrap();
     let cell = Workcell::from_json(&cell).unwrap();
-    assert_eq!(cell.tools["Hand"].load.unwrap().mass_kg, 0.8);
+    assert_eq!(cell.tools["Hand"].load.as_ref().unwrap().load.mass_kg, 0.8);
 
     put(
         &folder,

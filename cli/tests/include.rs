@@ -19,7 +19,8 @@ const CELL: &str = r#"{
   "tools": { "gripper": { "tcp": { "z_mm": 120 } } },
   "bases": { "table": { "x_mm": 500, "y_mm": -150, "z_mm": 100 } },
   "frames": {
-    "pick": { "base": "table", "x_mm": 0, "y_mm": 0, "z_mm": 150, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0, "status": 2 }
+    "pick": { "base": "table", "x_mm": 0, "y_mm": 0, "z_mm": 150,
+      "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0, "status": 2 }
   }
 }
 "#;
@@ -109,7 +110,7 @@ fn errors_name_the_file_that_they_are_in() {
     refuses(
         PROGRAM,
         &CELL.replace("\"bases\"", "\"include\": \"b.json\", \"bases\""),
-        &["cells/cell.json, line 4, column 14", "includes no other"],
+        &["cells/cell.json, line 4, column 14", "cannot include other files"],
     );
     // Faults of motions are reported as faults of the program.
     refuses(
@@ -152,10 +153,12 @@ fn an_odd_turn_is_worth_a_warning() {
 
 #[test]
 fn a_stop_within_a_spline_is_worth_a_warning() {
-    let spline = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] }, "motions": [
-        { "type": "spline", "segments": [
-            { "type": "lin", "frame": { "x_mm": 600, "y_mm": 100, "z_mm": 400, "a_deg": 180, "b_deg": 0, "c_deg": 180 } },
-            { "type": "lin", "frame": { "x_mm": 600, "y_mm": 100, "z_mm": 300, "a_deg": 180, "b_deg": 0, "c_deg": 180 } }
+    let spline = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+        "motions": [{ "type": "spline", "segments": [
+            { "type": "lin", "frame": { "x_mm": 600, "y_mm": 100, "z_mm": 400,
+                "a_deg": 180, "b_deg": 0, "c_deg": 180 } },
+            { "type": "lin", "frame": { "x_mm": 600, "y_mm": 100, "z_mm": 300,
+                "a_deg": 180, "b_deg": 0, "c_deg": 180 } }
         ] }] }"#;
     let folder = folder(spline, CELL);
     iiwasim(&folder, &["plan", "program.json", "--no-output"])
@@ -196,4 +199,19 @@ fn files_of_other_kinds_are_named_by_their_kind() {
 fn prints_the_schema() {
     let folder = tempdir().unwrap();
     iiwasim(&folder, &["schema", "frames"]).success().stdout(contains("iiwasim frames"));
+}
+
+#[test]
+fn marks_end_between_characters() {
+    let long_name = format!(
+        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }},
+        "motions": [{{ "type": "ptp", "frame": "{}" }}] }}"#,
+        "ü".repeat(50)
+    );
+    for text in [long_name.as_str(), "\u{feff}\u{feff}1"] {
+        let folder = tempdir().unwrap();
+        fs::write(folder.path().join("program.json"), text).unwrap();
+        let command = ["plan", "program.json", "--no-output"];
+        iiwasim(&folder, &command).code(2).stderr(contains("Error: program.json, line "));
+    }
 }

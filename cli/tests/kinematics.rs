@@ -109,7 +109,8 @@ fn unreachable_frames_are_rejected_with_the_reason() {
     rejects(&with(r#"{ "x_mm": 1, "e2_deg": 2 }"#), &["unknown key", "e2_deg"]);
     rejects(
         &with(
-            r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0, "turn": 128 }"#,
+            r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0,
+                 "turn": 128 }"#,
         ),
         &["0 to 127"],
     );

@@ -16,4 +16,5 @@ mod positions;
 mod real_cabinet;
 mod recordings;
 mod rig;
+mod signals;
 mod twin;

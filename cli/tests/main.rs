@@ -1,6 +1,8 @@
 //! Tests of the command as a process: its options, output, files and exit codes.
 
+mod carried_shapes;
 mod compare;
+mod diff;
 #[cfg(feature = "live")]
 mod experiment;
 #[cfg(feature = "sunrise")]
@@ -23,6 +25,7 @@ mod many;
 
 mod outputs;
 mod overlap;
+mod pipes;
 mod plan;
 mod plan_torques;
 mod profile;

@@ -14,7 +14,7 @@ use predicates::{
     prelude::PredicateBooleanExt,
     str::{contains, is_empty},
 };
-use serde_json::Value;
+use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
 use crate::helpers::{fixture, long_program, program};
@@ -90,8 +90,17 @@ fn a_folder_stands_for_its_programs_by_name() {
     let assert = iiwasim(&folder, &["plan", "cell"]).success().stderr(is_empty());
     let rows = rows(&assert);
     assert_eq!(rows.len(), 3);
-    let row =
-        ["cell/appendix-b.json", "4", "8.927", "8.877", "0.050", "A4", "velocity", "39", "planned"];
+    let row = [
+        "cell/appendix-b.json",
+        "4",
+        "8.927",
+        "8.877",
+        "0.050",
+        "A4",
+        "velocity",
+        "39.1",
+        "planned",
+    ];
     assert_eq!(rows[0], row);
     assert_eq!(rows[1][0], "cell/ten-motions.json");
     assert_eq!((rows[2][0].as_str(), rows[2][4].as_str()), ("cell/waits-and-stops.json", "0.900"));
@@ -133,11 +142,36 @@ fn a_folder_is_more_than_its_programs() {
         ("cell/b.txt", "{"),
         ("cell/json", "{"),
         ("cell/in.json/c.json", "{"),
+        ("cell/program.schema.json", &iiwa_program::Program::schema().to_string()),
+        ("cell/walls.json", r#"{ "version": 1, "obstacles": [] }"#),
+        // A fault does not make a profile or frames a program.
+        (
+            "cell/bad.json",
+            r#"{ "version": 1, "base": "lbr_iiwa_7_r800", "name": "t",
+                "lengths_mm": { "flange": 0 } }"#,
+        ),
+        ("cell/tables.json", r#"{ "version": 1, "bases": { "a": { "x": 1 } } }"#),
     ]);
     let assert = iiwasim(&folder, &["plan", "cell", "--no-output", "--json"]).success();
     let lines = lines(&assert);
     assert_eq!(lines.len(), 1);
     assert_eq!((&lines[0]["program"], &lines[0]["robot"]), (&"cell/a.json".into(), &"slow".into()));
+    let notes = stderr(&assert);
+    let notes: Vec<_> = notes.lines().collect();
+    assert_eq!(notes.len(), 5, "{notes:?}");
+    let bad = "Note: cell/bad.json is a robot profile, and is not planned, with a fault: \
+               lengths_mm: flange";
+    assert!(notes[0].starts_with(bad), "{}", notes[0]);
+    for (note, name, kind) in [
+        (notes[1], "program.schema", "JSON Schema"),
+        (notes[2], "slow", "robot profile"),
+        (notes[4], "walls", "scene"),
+    ] {
+        assert_eq!(note, format!("Note: cell/{name}.json is a {kind}, and is not planned"));
+    }
+    let tables = "Note: cell/tables.json is a file of tools, bases and frames, and is not planned, \
+                  with a fault: unknown key `x`";
+    assert!(notes[3].starts_with(tables), "{}", notes[3]);
 }
 
 #[test]
@@ -220,9 +254,42 @@ fn a_bad_program_does_not_stop_the_others() {
     let lines = lines(&assert);
     assert_eq!(lines.len(), 9);
     assert_eq!(lines[0]["output"], "out/a.mcap");
-    let refusal = r#"{"program":"cell/latin.json","error":"cell/latin.json is not text in UTF-8"}"#;
-    assert_eq!(stdout(&assert).lines().nth(4), Some(refusal));
+    let refusal = r#"{"program":"cell/latin.json","error":"cell/latin.json is not text in UTF-8","#;
+    assert!(stdout(&assert).lines().nth(4).unwrap().starts_with(refusal));
+    let unread = json!([{ "message": "cell/latin.json is not text in UTF-8" }]);
+    assert_eq!(lines[4]["errors"], unread);
+    let place = json!({ "file": "cell/profiles/broken.json", "line": 1, "column": 2,
+        "message": "the text ends too early" });
+    assert_eq!(lines[5]["errors"], json!([place]));
     assert_eq!(stderr(&assert), message);
+}
+
+/// Three errors of one program, two of them unknown keys of the program.
+#[test]
+fn all_errors_of_a_program_are_in_json() {
+    let wrong = turn(10.0).replacen('{', "{ \"speed\": 1, \"robt\": \"r\",", 1);
+    let wrong = wrong.replace("\"ptp\"", "\"movej\"");
+    let folder = folder(&[("old/a.json", &turn(10.0)), ("new/a.json", &wrong)]);
+    for command in ["plan new --no-output --json", "diff old new --json"] {
+        let words: Vec<_> = command.split(' ').collect();
+        let line = lines(&iiwasim(&folder, &words).code(3)).remove(0);
+        let first = line["error"].as_str().unwrap();
+        assert!(first.contains("a.json, line 1, column 3: unknown key `speed`"), "{first}");
+        assert!(first.ends_with("; and 2 more errors"), "{first}");
+        let errors = line["errors"].as_array().unwrap();
+        let messages: Vec<_> = errors.iter().map(|it| it["message"].as_str().unwrap()).collect();
+        assert_eq!(
+            messages[1..],
+            [
+                "unknown key `robt`; did you mean `robot`?",
+                "motion 1: unknown type `movej`; did you mean `ptp`?",
+            ]
+        );
+        for error in errors {
+            assert!(error["file"].as_str().unwrap().ends_with("a.json"), "{error}");
+            assert!(error["line"].is_u64() && error["column"].is_u64(), "{error}");
+        }
+    }
 }
 
 #[test]
@@ -432,6 +499,6 @@ fn help_shows_the_form_for_many() {
     iiwasim(&folder, &["plan", "--help"]).success().stdout(
         contains("iiwasim plan FOLDER")
             .and(contains("--jobs"))
-            .and(contains("some of many programs failed")),
+            .and(contains("some programs of several failed")),
     );
 }

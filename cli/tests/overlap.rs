@@ -12,7 +12,8 @@ fn says_which_blends_came_too_late_and_where_motions_come_from() {
     let folder = tempdir().unwrap();
     let motion = |a1: f64, line: u32| {
         serde_json::json!({
-            "type": "ptp", "joints_deg": [a1, 30, 0, -60, 0, 90.0 - 0.5 * a1, 0], "blend": { "fraction": 0.2 },
+            "type": "ptp", "joints_deg": [a1, 30, 0, -60, 0, 90.0 - 0.5 * a1, 0],
+            "blend": { "fraction": 0.2 },
             "source": { "file": "Weld.java", "line": line },
         })
     };
@@ -21,7 +22,9 @@ fn says_which_blends_came_too_late_and_where_motions_come_from() {
     let text = serde_json::json!({
         "version": 1,
         "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
-        "motions": [motion(40.0, 41), wait(0.05), motion(0.0, 43), wait(2.0), motion(40.0, 45), wait(0.0)],
+        "motions": [
+            motion(40.0, 41), wait(0.05), motion(0.0, 43), wait(2.0), motion(40.0, 45), wait(0.0)
+        ],
     });
     let file = folder.path().join("overlap.json");
     fs::write(&file, text.to_string()).unwrap();

@@ -93,7 +93,7 @@ fn the_solver_can_be_watched() {
     assert!(gap(first) > 0.1 && gap(last) < 1e-3, "{first}\n{last}");
 
     let timing = ["--no-output", "--trace", "--timing", "acceleration"];
-    plan(&folder, &program, &timing).code(2).stderr(contains("--trace shows iterations"));
+    plan(&folder, &program, &timing).code(2).stderr(contains("--trace shows solver iterations"));
     let both = [program.to_str().unwrap(), "--trace"];
     plan(&folder, &program, &both).code(2).stderr(contains("plan that one alone"));
 }
@@ -245,7 +245,8 @@ fn bad_programs_exit_with_2_and_leave_no_trace() {
     rejects(&"[".repeat(1 << 20), &["line 1"]);
     // Nearly collinear and up to the limit, the blend exceeds it.
     let swing = program(
-        "{ \"type\": \"ptp\", \"joints_deg\": [0, 119.99, 0, 0, 0, 0, 0], \"blend\": { \"fraction\": 0.5 } },\n    \
+        "{ \"type\": \"ptp\", \"joints_deg\": [0, 119.99, 0, 0, 0, 0, 0], \
+         \"blend\": { \"fraction\": 0.5 } },\n    \
          { \"type\": \"ptp\", \"joints_deg\": [160, 119.99, 0, 0, 0, 0, 0] }",
     )
     .replace("[0, 0, 0, 0, 0, 0, 0]", "[-160, 60, 0, 0, 0, 0, 0]");

@@ -25,13 +25,13 @@ fn plan(name: &str) -> TempDir {
 }
 
 /// Returns the page of a file.
-fn page(folder: &TempDir, arguments: &[&str]) -> String {
+pub(crate) fn page(folder: &TempDir, arguments: &[&str]) -> String {
     let all = [&["report"], arguments, &["-o", "page.html"]].concat();
     iiwasim(folder, &all).success().stdout(contains("Page in page.html"));
     fs::read_to_string(folder.path().join("page.html")).unwrap()
 }
 
-fn data(html: &str) -> Value {
+pub(crate) fn data(html: &str) -> Value {
     let (_, rest) = html.split_once(r#"<script id="data" type="application/json">"#).unwrap();
     let (json, _) = rest.split_once("</script>").unwrap();
     serde_json::from_str(json).unwrap()
@@ -96,7 +96,9 @@ fn a_scene_is_around_the_arm() {
         serde_json::json!([]),
         serde_json::json!([{ "type": "sphere", "center_mm": [0, 20, 60], "radius_mm": 45 }]),
         // The arm touches the table, and later the brace: the first contact counts.
-        serde_json::json!([{ "type": "cylinder", "center_mm": [0, 0, 100], "radius_mm": 40, "length_mm": 200 }]),
+        serde_json::json!([
+            { "type": "cylinder", "center_mm": [0, 0, 100], "radius_mm": 40, "length_mm": 200 }
+        ]),
     ] {
         scene["tool"] = tool;
         fs::write(folder.path().join("scene.json"), scene.to_string()).unwrap();
@@ -217,12 +219,14 @@ fn spheres_are_about_their_targets() {
 #[test]
 fn the_nearest_instant_is_the_same_everywhere() {
     let folder = tempdir().unwrap();
-    let program = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, -60, 0, 60, 0] }, "motions": [
-        { "type": "ptp", "joints_deg": [13, 61, 7, -31, 5, 50, 0] },
-        { "type": "wait", "seconds": 1 },
-        { "type": "ptp", "joints_deg": [0, 0, 0, -60, 0, 60, 0] } ] }"#;
+    let program = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, -60, 0, 60, 0] },
+        "motions": [
+            { "type": "ptp", "joints_deg": [13, 61, 7, -31, 5, 50, 0] },
+            { "type": "wait", "seconds": 1 },
+            { "type": "ptp", "joints_deg": [0, 0, 0, -60, 0, 60, 0] } ] }"#;
     let scene = r#"{ "version": 1, "obstacles": [
-        { "name": "wall", "type": "plane", "point_mm": [1200, 300, 0], "normal": [-1, -0.1, 0.02] } ] }"#;
+        { "name": "wall", "type": "plane", "point_mm": [1200, 300, 0],
+          "normal": [-1, -0.1, 0.02] } ] }"#;
     fs::write(folder.path().join("program.json"), program).unwrap();
     fs::write(folder.path().join("scene.json"), scene).unwrap();
     let planned = iiwasim(
@@ -507,6 +511,8 @@ fn meshes_of_a_urdf_are_drawn() {
     write("cell/arm/meshes/wedge.obj", WEDGE);
     let urdf = urdf_with(&Robot::default(), "package://arm/meshes/wedge.obj");
     write("arm.urdf", &urdf);
+    // A second slash does not make the path absolute.
+    write("slashes.urdf", &urdf.replace("arm/meshes", "arm//meshes"));
     let single = data(&page(&folder, &["plan.mcap"]));
     let links = single["robot"]["look"]["links"].as_array().unwrap();
     assert!(links.iter().all(|link| !link.as_array().unwrap().is_empty()));
@@ -517,6 +523,7 @@ fn meshes_of_a_urdf_are_drawn() {
     for arguments in [
         &["--urdf", "arm.urdf", "--package-path", "cell"][..],
         &["--urdf", "arm.urdf", "--package-path", "cell/arm"],
+        &["--urdf", "slashes.urdf", "--package-path", "cell"],
         &["--urdf", "arm/urdf/arm.urdf"],
     ] {
         let data = data(&page(&folder, &[&["plan.mcap"], arguments].concat()));

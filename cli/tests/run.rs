@@ -8,7 +8,10 @@ use assert_cmd::{assert::Assert, cargo::cargo_bin_cmd};
 use tempfile::TempDir;
 
 pub(crate) fn iiwasim(folder: &TempDir, arguments: &[&str]) -> Assert {
-    cargo_bin_cmd!("iiwasim").current_dir(folder).args(arguments).assert()
+    let mut command = cargo_bin_cmd!("iiwasim");
+    // The width of tables.
+    command.env_remove("COLUMNS");
+    command.current_dir(folder).args(arguments).assert()
 }
 
 pub(crate) fn files(folder: &TempDir) -> Vec<String> {

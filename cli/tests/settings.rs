@@ -171,12 +171,21 @@ fn tables_fit_a_terminal() {
     let fixtures = ["ten-motions.json", "pick-and-place.json", "appendix-b.json"];
     let programs = fixtures.map(|name| fixture(name).display().to_string());
     for program in programs.iter().map(String::as_str).chain(["long.json"]) {
-        let assert = iiwasim(&folder, &["plan", program, "--no-output"]).success();
-        let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
-        let table = text.split("\n\n").next().unwrap();
-        for line in table.lines() {
+        let table = |columns: &str| {
+            let mut command = cargo_bin_cmd!("iiwasim");
+            command.current_dir(&folder).env("COLUMNS", columns);
+            let assert = command.args(["plan", program, "--no-output"]).assert().success();
+            let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+            text.split("\n\n").next().unwrap().to_owned()
+        };
+        for line in table("80").lines() {
             assert!(line.chars().count() <= 80, "{line}");
             assert_eq!(line, line.trim_end());
         }
+        // In a pipe, no cell is wrapped: below the header, there is a line per motion.
+        let piped = table("");
+        assert_eq!(piped, table("1000"));
+        let is_row = |line: &str| line[..6].trim().parse::<usize>().is_ok();
+        assert!(piped.lines().skip(2).all(is_row), "{piped}");
     }
 }

@@ -14,7 +14,7 @@ use tempfile::tempdir;
 fn tables_read_back_as_the_plan() {
     let folder = tempdir().unwrap();
     let program = fixture("pick-and-place.json").display().to_string();
-    let options = ["--csv", "a.csv", "--rate", "200", "--json", "--timing", "jerk"];
+    let options = ["--csv", "a.csv", "--exact", "--rate", "200", "--json", "--timing", "jerk"];
     let assert = iiwasim(&folder, &[&["plan", &program, "-o", "a.mcap"], &options[..]].concat());
     let figures: Value = serde_json::from_slice(&assert.success().get_output().stdout).unwrap();
     let read = |name: &str| JointLog::read(&*fs::read(folder.path().join(name)).unwrap()).unwrap();
@@ -84,7 +84,7 @@ fn parquet_files_have_the_rows_of_the_csv_file() {
     let folder = tempdir().unwrap();
     let program = fixture("pick-and-place.json").display().to_string();
     let options = ["-o", "a.mcap", "--csv", "a.csv", "--parquet", "a.parquet", "--rate", "200"];
-    iiwasim(&folder, &[&["plan", &program], &options[..]].concat()).success();
+    iiwasim(&folder, &[&["plan", &program, "--exact"], &options[..]].concat()).success();
     let read = |name: &str| JointLog::read(&*fs::read(folder.path().join(name)).unwrap()).unwrap();
     let (csv, parquet) = (read("a.csv"), read("a.parquet"));
     assert_eq!((&csv.t_s, &csv.q_rad), (&parquet.t_s, &parquet.q_rad));
@@ -96,6 +96,35 @@ fn parquet_files_have_the_rows_of_the_csv_file() {
         .code(2)
         .stderr(contains("exists and is not a").and(contains("it is kept")));
     iiwasim(&folder, &["plan", &program, "--no-output", "--parquet", "a.parquet"]).success();
+}
+
+/// By default, the numbers of a CSV table have at most nine decimals and are within half of the
+/// last one of the exact numbers.
+#[test]
+fn numbers_in_csv_are_rounded() {
+    let folder = tempdir().unwrap();
+    let program = fixture("pick-and-place.json").display().to_string();
+    let table = |name: &str, options: &[&str]| {
+        let arguments = ["plan", &program, "--no-output", "--csv", name];
+        iiwasim(&folder, &[&arguments[..], options].concat()).success();
+        fs::read_to_string(folder.path().join(name)).unwrap()
+    };
+    let [rounded, exact] = [table("a.csv", &[]), table("b.csv", &["--exact"])];
+    assert!(3 * rounded.len() < 2 * exact.len());
+    assert_eq!(rounded.lines().next(), exact.lines().next());
+    let fields = |text: &str| -> Vec<String> {
+        text.lines().skip(1).flat_map(|line| line.split(',')).map(str::to_owned).collect()
+    };
+    let [rounded, exact] = [fields(&rounded), fields(&exact)];
+    assert_eq!(rounded.len(), exact.len());
+    for (rounded, exact) in rounded.iter().zip(&exact) {
+        let decimals = rounded.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        assert!(rounded.contains('e') || decimals <= 9, "{rounded}");
+        assert_ne!(rounded, "-0.0");
+        let [near, value] = [rounded, exact].map(|text| text.parse::<f64>().unwrap());
+        assert!((near - value).abs() <= 0.5001e-9 + 1e-15 * value.abs(), "{rounded}, {exact}");
+    }
+    iiwasim(&folder, &["plan", &program, "--exact"]).code(2).stderr(contains("--csv"));
 }
 
 #[test]
@@ -127,7 +156,8 @@ fn from_stdin(arguments: &[&str], text: &str) -> assert_cmd::assert::Assert {
 
 #[test]
 fn poses_go_through_in_lines() {
-    let joints = "joint_1_deg,joint_2_deg,joint_3_deg,joint_4_deg,joint_5_deg,joint_6_deg,joint_7_deg\n\
+    let joints = "joint_1_deg,joint_2_deg,joint_3_deg,joint_4_deg,joint_5_deg,joint_6_deg,\
+                  joint_7_deg\n\
                   0,30,0,-60,0,90,0\n\n-100.5,80,-30,70,-150,100,-170\n";
     let poses = from_stdin(&["fk", "--stdin"], joints).success();
     let poses = String::from_utf8(poses.get_output().stdout.clone()).unwrap();
@@ -150,10 +180,15 @@ fn poses_go_through_in_lines() {
     }
 
     // JSON objects; processing continues after an unreachable one.
-    let frames = "{\"x_mm\": 600, \"y_mm\": 0, \"z_mm\": 400, \"a_deg\": 0, \"b_deg\": 180, \"c_deg\": 0}\n\
-                  {\"x_mm\": 6000, \"y_mm\": 0, \"z_mm\": 400, \"a_deg\": 0, \"b_deg\": 180, \"c_deg\": 0}\n";
+    let frame = |x_mm: u32| {
+        format!(
+            "{{\"x_mm\": {x_mm}, \"y_mm\": 0, \"z_mm\": 400, \"a_deg\": 0, \"b_deg\": 180, \
+             \"c_deg\": 0}}\n"
+        )
+    };
+    let frames = [600, 6000].map(frame).concat();
     let arguments = ["ik", "--stdin", "--json", "--e1-deg", "0", "--status", "2"];
-    let output = from_stdin(&arguments, frames).code(3);
+    let output = from_stdin(&arguments, &frames).code(3);
     let stdout = String::from_utf8(output.get_output().stdout.clone()).unwrap();
     let lines: Vec<Value> =
         stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
@@ -190,9 +225,6 @@ fn poses_go_through_in_lines() {
         .code(2)
         .stderr(contains("line 1: the first line has to name the columns"));
     for (text, reason) in [
-        ("joint_1_deg,joint_2_deg\n1,2\n", "line 2: there are 2 numbers, and seven joints"),
-        ("joint_1_deg\n1,2\n", "line 2: 2 fields, and 1 columns"),
-        ("joint_1_deg\nx\n", "line 2: joint_1_deg: `x` is not a number"),
         ("{\"joints_deg\": [0]}\n", "line 1: there are 1 numbers, and seven joints"),
         ("{\"joints_deg\": [200,0,0,0,0,0,0]}\n", "line 1: joint A1"),
         ("{\"joints\": 1}\n", "line 1: there is no `joints_deg`"),
@@ -202,6 +234,107 @@ fn poses_go_through_in_lines() {
         let stderr = String::from_utf8_lossy(&refused.get_output().stderr).replace("\n  │", "");
         assert!(stderr.contains(reason), "{text:?}: no {reason:?} in {stderr}");
     }
+}
+
+/// Names of the joint columns, with this delimiter.
+fn joint_names(delimiter: &str) -> String {
+    (1..=7).map(|joint| format!("joint_{joint}_deg")).collect::<Vec<_>>().join(delimiter)
+}
+
+#[test]
+fn tables_have_the_dialects_of_recordings() {
+    let printed = |command: &str, text: &str| {
+        let done = from_stdin(&[command, "--stdin"], text).success();
+        String::from_utf8(done.get_output().stdout.clone()).unwrap()
+    };
+    let names = joint_names(",");
+    let expected = printed("fk", &format!("{names}\n0,30,0,-60,0,90,0\n"));
+    let row = expected.lines().nth(1).unwrap();
+    assert!(row.starts_with("600,0,534.41"), "{row}");
+    let quoted = names.replace("joint_1_deg", "\"joint_1_deg\"");
+    for text in [
+        format!("{}\n0;30;0;-60;0;90;0\n", joint_names(";")),
+        format!("sep=;\r\n{};\r\n0;30;0;-60;0;90;0;\r\n", joint_names(";")),
+        format!("{}\r0\t30\t0\t-60\t0\t90\t0\r", joint_names("\t")),
+        format!("# recorded\n# {}\n0.0e+00 3.0e+01  0 -6.0e+01 0 9.0e+01 0\n", joint_names(" ")),
+        format!("\u{feff}{quoted}\n\"0\",30,0,-60,\"0\",+90,0.\n# end\n"),
+        format!("note,{names}\n\"a, \"\"b\"\"\",0,30,0,-60,0,90,0\n"),
+        format!("{}\n0,30,0,-60,0,90,0\n", names.replace("joint_", "A")),
+        format!("#\n  # by hand\n{}\n%\n0,30,0,-60,0,90,0\n", names.replace("joint_", "q0")),
+    ] {
+        assert_eq!(printed("fk", &text), expected, "{text}");
+    }
+    let rad = names.replace("_deg", "_rad").replace("joint_", "q");
+    let text = printed(
+        "fk",
+        &format!("{rad}\n0,0.5235987755982988,0,-1.0471975511965976,0,1.5707963267948966,0\n"),
+    );
+    let number = |text: &str| -> f64 { text.split(',').next().unwrap().parse().unwrap() };
+    assert!((number(text.lines().nth(1).unwrap()) - number(row)).abs() < 1e-9, "{text}");
+
+    let table = "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status\n600,0,400,0,180,0,0,2\n";
+    let joints = printed("ik", table);
+    for text in [
+        table.replace(',', ";"),
+        format!("#\n{table}"),
+        format!("%\n  % by hand\n{table}"),
+        table.replace("x_mm", "\"x_mm\"").replace("600", "\"600\""),
+        table.replace("x_mm", "X_MM").replace("0,2\n", "0.000000e+00,2.000000e+00\n"),
+    ] {
+        assert_eq!(printed("ik", &text), joints, "{text}");
+    }
+    // An error of `fk` is repeated by `ik`, and does not stop it.
+    let poses =
+        from_stdin(&["fk", "--stdin"], &format!("{names}\n200,0,0,0,0,0,0\n0,30,0,-60,0,90,0\n"));
+    let poses = String::from_utf8(poses.code(3).get_output().stdout.clone()).unwrap();
+    let back = from_stdin(&["ik", "--stdin"], &poses).code(3);
+    let message = String::from_utf8_lossy(&back.get_output().stderr).into_owned();
+    assert!(message.contains("standard input, line 2: joint A1 is at 200 deg"), "{message}");
+    let back = String::from_utf8(back.get_output().stdout.clone()).unwrap();
+    let again = from_stdin(&["fk", "--stdin"], &back).code(3);
+    let again = String::from_utf8(again.get_output().stdout.clone()).unwrap();
+    assert!(again.lines().nth(1).unwrap().contains("joint A1 is at 200 deg"), "{again}");
+    assert!((number(again.lines().nth(2).unwrap()) - number(row)).abs() < 1e-6, "{again}");
+}
+
+#[test]
+fn faults_of_tables_are_named() {
+    let joints = joint_names(";");
+    for (command, text, code, reason) in [
+        ("fk", "joint_1_deg,joint_2_deg\n1,2\n", 2, "line 1: no column `joint_3_deg`"),
+        ("fk", "A1;A2;A3;A4;A5;A6;A7\n1;2;3;4;5;6;7\n", 2, "the column `A1` states no unit"),
+        ("fk", "pose,name\n1,2\n", 2, "found `pose name`"),
+        ("fk", "A1_deg,joint_1_deg\n1,2\n", 2, "no column `joint_2_deg`"),
+        ("ik", "x,y,z,a,b,c\n1,2,3,4,5,6\n", 2, "line 1: unknown column `x`, expected `x_mm`"),
+        ("ik", "x_mm,X_MM\n1,2\n", 2, "the columns `x_mm` and `X_MM` are both `x_mm`"),
+        ("fk", "# A1 A2 A3 A4 A5 A6 A7\n1 2 3 4 5 6 7\n", 2, "line 1: the column `A1` states no"),
+        ("ik", "600;0;400;0;180;0\n", 2, "the first line has to name the columns"),
+        ("ik", "x_mm;y_mm\n600,5;0\n", 3, "`600,5` is not a number; it needs a decimal point"),
+        (
+            "ik",
+            "x_mm,y_mm\n600,5,0,5\n",
+            3,
+            "4 fields, and 2 columns; numbers need a decimal point",
+        ),
+        ("ik", "x_mm,y_mm\n\"600,0\n", 3, "a quote is not closed"),
+        (
+            "fk",
+            &format!("{joints}\nx;0;0;0;0;0;0\n"),
+            3,
+            "line 2: joint_1_deg: `x` is not a number",
+        ),
+        ("fk", &format!("{joints}\n1;2\n"), 3, "line 2: 2 fields, and 7 columns"),
+    ] {
+        let refused = from_stdin(&[command, "--stdin"], text).code(code);
+        let stderr = String::from_utf8_lossy(&refused.get_output().stderr).replace("\n  │ ", " ");
+        assert!(stderr.contains(reason), "{text:?}: no {reason:?} in {stderr}");
+    }
+    cargo_bin_cmd!("iiwasim")
+        .args(["fk", "--stdin"])
+        .write_stdin(&b"\xff\xfej\0o\0"[..])
+        .assert()
+        .code(2)
+        .stderr(contains("line 1: text in UTF-16: save it as UTF-8"));
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn ptp_motions_can_start_as_in_sunrise() {
     let [sunrise, jerk] = ["sunrise", "jerk"].map(cycle_time);
     assert!(sunrise > 1.01 * jerk && sunrise < 1.2 * jerk, "{sunrise} {jerk}");
     let options = ["--no-output", "--timing", "sunrise"];
-    let said = "PTP motions from rest to rest: timing as recorded under Sunrise";
+    let said = "PTP motions from rest to rest (1 of 6 motions): timing as recorded under Sunrise";
     plan(&folder, &program, &options).success().stdout(contains(said));
     // There are no recordings of an iiwa 14: its ramps are listed as an assumption.
     let options = ["--no-output", "--timing", "sunrise", "--robot", "lbr_iiwa_14_r820"];
@@ -37,13 +37,13 @@ fn timing_assumptions_are_reported() {
     fs::write(folder.path().join("short.json"), short).unwrap();
     let appendix = fixture("appendix-b.json").display().to_string();
     for (program, expected) in [
-        ("line.json", "Nothing assumed of the controller"),
-        ("short.json", "Assumed of motion 1: PTP without a cruise"),
+        ("line.json", "No assumptions about the controller"),
+        ("short.json", "Assumption for motion 1: PTP without a cruise"),
         (
             "short.json",
-            "Assumed of motion 1: pauses after motions that the program waits for: 93 ms",
+            "Assumption for motion 1: standstill after motions that the program waits for: 93 ms",
         ),
-        (&appendix, "Assumed of 3 motions, the first is 2: blends"),
+        (&appendix, "Assumption for 3 motions, the first is 2: blends"),
     ] {
         iiwasim(&folder, &["plan", program, "--no-output", "--assumptions"])
             .success()

@@ -76,6 +76,28 @@ fn a_plan_of_the_same_robot_scores_zero() {
 }
 
 #[test]
+fn names_are_shown() {
+    let folder = recorded("sunrise");
+    let path = folder.path().join("secret/program.json");
+    let mut program: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    program["motions"][0]["name"] = "to the pallet".into();
+    fs::write(&path, program.to_string()).unwrap();
+    let at_half = ["--override", "50"];
+    iiwasim(&folder, &[&FILES[..], &at_half].concat())
+        .success()
+        .stdout(contains("motion  type  name").and(contains("     1  ptp   to the pallet")));
+    let motions = &figures(&folder, &at_half)["motions"];
+    assert_eq!(motions[0]["name"], "to the pallet");
+    assert!(motions[1].get("name").is_none(), "{motions}");
+    let plan = ["plan", "secret/program.json", "-o", "named.mcap"];
+    iiwasim(&folder, &[&plan[..], &at_half].concat()).success();
+    iiwasim(&folder, &["compare", "named.mcap", "secret/log.csv"])
+        .success()
+        .stdout(contains("motion  type  name").and(contains("     1  ptp   to the pallet")));
+}
+
+#[test]
 fn other_ramps_and_overrides_show() {
     let folder = recorded("jerk");
     let actual = figures(&folder, &["--override", "50"]);

@@ -47,7 +47,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let samples = trajectory.samples(1000.0).count();
     writeln!(
         stdout(),
-        r#"{{"plan_us": {plan_us:.1}, "sample_us": {sample_us:.1}, "samples": {samples}, "fk_us": {fk_us:.1}}}"#
+        "{{\"plan_us\": {plan_us:.1}, \"sample_us\": {sample_us:.1}, \"samples\": {samples}, \
+         \"fk_us\": {fk_us:.1}}}"
     )?;
     Ok(())
 }

@@ -1,10 +1,11 @@
-"""Searches speeds, blends and elbow angles of a program for the shortest cycle that keeps its distance to a press.
+"""Minimises the cycle time of a program over speeds, blends and elbow angles, clear of a press.
 
     python examples/search.py [--on one-core|cores|ray|dask] [--generations 40]
 
-The program is `fixtures/pick-and-place.json`, the optimiser CMA-ES. It asks for a generation of candidates, all of which are
-planned at once: on one core, on all of this machine, or on a cluster. Figures are the same everywhere, and so is the result.
-Needs `pip install 'iiwasim[batches]' cmaes`, and `iiwasim[ray]` or `iiwasim[dask]` for a cluster.
+The program is `fixtures/pick-and-place.json`, the optimiser CMA-ES. All candidates of a generation
+are planned at once: on one core, on all cores of this machine, or on a cluster. The figures, and
+therefore the result, are the same everywhere. Needs `pip install 'iiwasim[batches]' cmaes`, and
+`iiwasim[ray]` or `iiwasim[dask]` for a cluster.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ import iiwasim as iw
 from iiwasim import batches
 
 PROGRAM = json.loads((Path(__file__).parents[2] / "fixtures" / "pick-and-place.json").read_text())
-# It stands to the right of the arm, where the elbow is when the gripper picks.
+# The press is to the right of the robot, where the elbow is during the pick.
 PRESS = {"name": "press", "type": "box", "center_mm": [175, -300, 700], "size_mm": [350, 200, 500]}
 SCENE = iw.Scene.from_json(json.dumps({"version": 1, "obstacles": [PRESS]}))
 CLEARANCE_M = 0.04
@@ -66,7 +67,9 @@ def candidate(unit: np.ndarray) -> str:
 
 
 def cost(row: dict[str, Any]) -> float:
-    """The cycle time; more than any of one that comes too near, and most of one that cannot be planned."""
+    """The cycle time, in s; 1000 and more if the robot is too close to the press, 2000 if the
+    program cannot be planned.
+    """
     if row["error"] is not None:
         return 2e3
     missing_m = CLEARANCE_M - row["clearance_m"]
@@ -99,7 +102,7 @@ def search(figures: Figures, generations: int, seed: int) -> tuple[np.ndarray, f
 
 @contextmanager
 def workers(on: str) -> Iterator[Figures]:
-    """What plans a generation."""
+    """Yields the function that plans the programs of a generation."""
     if on == "ray":
         import ray
 

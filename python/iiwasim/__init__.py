@@ -23,7 +23,7 @@ from ._errors import (
     SunriseError,
     UnreachableError,
 )
-from ._figures import Limit, MotionFigures, State
+from ._figures import GroupFigures, Limit, MotionFigures, RepeatFigures, State, States
 from ._native import (
     Clearance,
     Comparison,
@@ -35,13 +35,27 @@ from ._native import (
     Samples,
     Scene,
     applications,
+    frame,
     import_application,
     plan,
     plan_all,
+    pose,
 )
 from ._recordings import compare, identify
 from .drive import Drive, DriveError, DriveState, DriveTimeout, JointSample, Run
-from .motions import Motion, circ, lin, lin_rel, load, ptp, spline, wait
+from .motions import (
+    Motion,
+    circ,
+    lin,
+    lin_rel,
+    load,
+    ptp,
+    repeat,
+    set_io,
+    spline,
+    wait,
+    wait_for,
+)
 
 __version__ = _version("iiwasim")
 
@@ -52,6 +66,7 @@ __all__ = [
     "DriveError",
     "DriveState",
     "DriveTimeout",
+    "GroupFigures",
     "Identification",
     "IiwasimError",
     "JointSample",
@@ -64,17 +79,20 @@ __all__ = [
     "ProgramError",
     "Recording",
     "RecordingError",
+    "RepeatFigures",
     "Robot",
     "Run",
     "Samples",
     "Scene",
     "SceneError",
     "State",
+    "States",
     "SunriseError",
     "UnreachableError",
     "applications",
     "circ",
     "compare",
+    "frame",
     "identify",
     "import_application",
     "lin",
@@ -82,7 +100,11 @@ __all__ = [
     "load",
     "plan",
     "plan_all",
+    "pose",
     "ptp",
+    "repeat",
+    "set_io",
     "spline",
     "wait",
+    "wait_for",
 ]

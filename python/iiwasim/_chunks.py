@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from os import PathLike
 
+    from ._options import Search, Shape, Timing
+
 FIGURES = pa.schema(
     {
         "cycle_time_s": pa.float64(),
@@ -54,9 +56,9 @@ class Options(TypedDict, total=False):
     """Planning options of each program: the options of `plan_all`, and a scene."""
 
     robot: Robot | str | PathLike[str] | None
-    timing: str
-    blend_shape: str
-    blend_search: str
+    timing: Timing
+    blend_shape: Shape
+    blend_search: Search
     samples: int
     limit_torque_percent: float | None
     override_percent: float | None

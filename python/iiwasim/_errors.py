@@ -20,7 +20,7 @@ class _TextError(IiwasimError):
 
     @property
     def line(self) -> int | None:
-        """The line, from 1.
+        """The line, from 1; `None` for a program that was made from arguments.
 
         >>> import iiwasim as iw
         >>> try:
@@ -48,12 +48,15 @@ class _TextError(IiwasimError):
 class ProgramError(_TextError):
     """A program that cannot be read or planned.
 
+    The message names the motion and the argument; for a program that was read from a text or a
+    file, it states the line and the column.
+
     >>> import iiwasim as iw
     >>> try:
     ...     iw.Program([iw.wait(-1)], start_deg=[0] * 7)
     ... except iw.ProgramError as error:
-    ...     str(error).startswith("motion 1: ")
-    True
+    ...     str(error)
+    'motion 1, seconds: a wait of -1 s; it must be from 0 to 86400 s'
     """
 
     @property
@@ -66,7 +69,7 @@ class ProgramError(_TextError):
         ...     iw.plan(program)
         ... except iw.ProgramError as error:
         ...     error.motion, error.line
-        (1, 1)
+        (1, None)
         """
         return self.args[3] if len(self.args) > 3 else None
 

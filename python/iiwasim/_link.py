@@ -154,7 +154,7 @@ class Line:
         self.is_lost = True
         lost = f"the connection to the drive at {self._at} was lost before its reply"
         return ConnectionLost(
-            "timeout", f"{lost}; a motion that had begun goes on, and `last_run` has its result"
+            "timeout", f"{lost}; a motion that had begun continues, and `last_run` has its result"
         )
 
     def receive(self) -> list[bytes]:

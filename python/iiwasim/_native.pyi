@@ -1,6 +1,6 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, final
+from typing import Any, Literal, final, overload
 
 import numpy as np
 import pandas as pd
@@ -10,15 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Self, TypeAlias
 
 from ._errors import ProgramError
-from ._figures import MotionFigures, State
+from ._figures import GroupFigures, MotionFigures, RepeatFigures, State, States
+from ._options import Frame, Search, Shape, Timing
 from .drive import Run
 
 _Array: TypeAlias = NDArray[np.float64]
 _Path: TypeAlias = str | PathLike[str]
 _Robot: TypeAlias = Robot | str | PathLike[str]
-_Timing: TypeAlias = Literal["sunrise", "jerk", "acceleration"]
-_Shape: TypeAlias = Literal["iiwa", "alpha", "min-acceleration", "circle"]
-_Search: TypeAlias = Literal["first-crossing", "algorithm-1", "algorithm-2"]
+_Place: TypeAlias = Frame | None
 
 __all__ = [
     "Clearance",
@@ -32,11 +31,13 @@ __all__ = [
     "Scene",
     "applications",
     "compare",
+    "frame",
     "identify",
     "import_application",
     "page",
     "plan",
     "plan_all",
+    "pose",
 ]
 
 @final
@@ -60,27 +61,49 @@ class Robot:
     def torque_limits_nm(self) -> _Array: ...
     @property
     def assumptions(self) -> list[str]: ...
-    def tcp(self, q: ArrayLike) -> _Array: ...
-    def fk(self, q: ArrayLike) -> tuple[_Array, _Array]: ...
-    def jacobian(self, q: ArrayLike) -> _Array: ...
+    def flange(self, q: ArrayLike) -> _Array: ...
+    def fk(
+        self,
+        q: ArrayLike,
+        *,
+        program: Program | None = None,
+        tool: _Place = None,
+        base: _Place = None,
+    ) -> tuple[_Array, _Array]: ...
+    def pose(
+        self,
+        q: ArrayLike,
+        *,
+        program: Program | None = None,
+        tool: _Place = None,
+        base: _Place = None,
+    ) -> _Array: ...
+    def jacobian(
+        self,
+        q: ArrayLike,
+        *,
+        program: Program | None = None,
+        tool: _Place = None,
+        base: _Place = None,
+    ) -> _Array: ...
     def ik(
         self,
-        frame: str | Mapping[str, Any],
+        frame: Frame,
         *,
         e1_deg: float | None = None,
         status: int | None = None,
         near: ArrayLike | None = None,
         program: Program | None = None,
-        tool: str | None = None,
-        base: str | None = None,
+        tool: _Place = None,
+        base: _Place = None,
     ) -> _Array: ...
     def frame(
         self,
         q: ArrayLike,
         *,
         program: Program | None = None,
-        tool: str | None = None,
-        base: str | None = None,
+        tool: _Place = None,
+        base: _Place = None,
     ) -> dict[str, Any]: ...
     def torques(
         self,
@@ -92,6 +115,7 @@ class Robot:
     ) -> _Array: ...
     def mass_matrix(self, q: ArrayLike) -> _Array: ...
     def profile(self) -> str: ...
+    def save(self, path: _Path) -> None: ...
     def urdf(self) -> str: ...
     @staticmethod
     def _restore(text: str, /) -> Robot: ...
@@ -107,7 +131,7 @@ class Program:
         *,
         start_deg: Sequence[float] | _Array | None = None,
         start_rad: Sequence[float] | _Array | None = None,
-        start_frame: str | Mapping[str, Any] | None = None,
+        start_frame: Frame | None = None,
         robot: _Robot | None = None,
         tools: Mapping[str, Any] | None = None,
         bases: Mapping[str, Any] | None = None,
@@ -132,6 +156,16 @@ class Program:
     @property
     def motions(self) -> list[dict[str, Any]]: ...
     @property
+    def frames(self) -> dict[str, dict[str, Any]]: ...
+    @property
+    def tools(self) -> dict[str, dict[str, Any]]: ...
+    @property
+    def bases(self) -> dict[str, dict[str, Any]]: ...
+    @property
+    def tool(self) -> str | None: ...
+    @property
+    def base(self) -> str | None: ...
+    @property
     def start_rad(self) -> _Array: ...
     @property
     def robot(self) -> Robot: ...
@@ -140,7 +174,7 @@ class Program:
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     @staticmethod
-    def _restore(text: str, robot: str | None, /) -> Program: ...
+    def _restore(text: str, robot: str | None, is_given: bool = True, /) -> Program: ...
 
 @final
 class Plan:
@@ -153,7 +187,7 @@ class Plan:
     @property
     def wait_time_s(self) -> float: ...
     @property
-    def timing(self) -> str: ...
+    def timing(self) -> Timing: ...
     @property
     def robot(self) -> Robot: ...
     @property
@@ -161,10 +195,17 @@ class Plan:
     @property
     def motions(self) -> tuple[MotionFigures, ...]: ...
     @property
+    def groups(self) -> tuple[GroupFigures, ...]: ...
+    @property
+    def repeats(self) -> tuple[RepeatFigures, ...]: ...
+    @property
     def warnings(self) -> list[str]: ...
     def figures(self) -> dict[str, Any]: ...
     def table(self) -> str: ...
+    @overload
     def at(self, t_s: float) -> State: ...
+    @overload
+    def at(self, t_s: Sequence[float] | NDArray[Any]) -> States: ...
     def sample(self, *, rate_hz: float = 1000.0) -> Samples: ...
     def clearance(self, scene: Scene) -> Clearance | None: ...
     def self_clearance(self, scene: Scene | None = None) -> Clearance | None: ...
@@ -181,6 +222,8 @@ class Plan:
     def to_polars(self, *, rate_hz: float = 250.0) -> pl.DataFrame: ...
     def plot(self, *, rate_hz: float = 250.0) -> Figure: ...
     def _repr_html_(self) -> str: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
@@ -197,6 +240,14 @@ class Samples:
     def motion(self) -> NDArray[np.uint32]: ...
     @property
     def tcp(self) -> _Array: ...
+    @property
+    def tcp_pose(self) -> _Array: ...
+    @property
+    def tcp_velocity(self) -> _Array: ...
+    @property
+    def tcp_speed(self) -> _Array: ...
+    @property
+    def tcp_angular_speed(self) -> _Array: ...
     @property
     def torque(self) -> _Array: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
@@ -258,8 +309,8 @@ class Recording:
     def load(
         path: _Path,
         *,
-        unit: Literal["rad", "deg"] | str | None = None,
-        positions: Literal["measured", "commanded"] | str = "measured",
+        unit: Literal["rad", "deg"] | None = None,
+        positions: Literal["measured", "commanded"] = "measured",
     ) -> Recording: ...
     @property
     def t(self) -> _Array: ...
@@ -295,6 +346,8 @@ class Comparison:
     def figures(self) -> dict[str, Any]: ...
     def table(self) -> str: ...
     def picture(self) -> str: ...
+    def plot(self) -> Figure: ...
+    def _trace(self) -> _Array: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
@@ -305,13 +358,21 @@ class Identification:
     def table(self) -> str: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+def frame(
+    pose: ArrayLike,
+    *,
+    e1_deg: float | None = None,
+    status: int | None = None,
+    turn: int | None = None,
+) -> dict[str, Any]: ...
+def pose(frame: Mapping[str, Any], /) -> _Array: ...
 def plan(
     program: Program,
     *,
     robot: _Robot | None = None,
-    timing: _Timing | str = "sunrise",
-    blend_shape: _Shape | str = "iiwa",
-    blend_search: _Search | str = "first-crossing",
+    timing: Timing = "sunrise",
+    blend_shape: Shape = "iiwa",
+    blend_search: Search = "first-crossing",
     samples: int = 100,
     limit_torque_percent: float | None = None,
     override_percent: float | None = None,
@@ -320,9 +381,9 @@ def plan_all(
     programs: Iterable[Program],
     *,
     robot: _Robot | None = None,
-    timing: _Timing | str = "sunrise",
-    blend_shape: _Shape | str = "iiwa",
-    blend_search: _Search | str = "first-crossing",
+    timing: Timing = "sunrise",
+    blend_shape: Shape = "iiwa",
+    blend_search: Search = "first-crossing",
     samples: int = 100,
     limit_torque_percent: float | None = None,
     override_percent: float | None = None,

@@ -8,8 +8,9 @@ rows. Needs pyarrow: `pip install 'iiwasim[batches]'`.
 >>> from iiwasim import batches
 >>> folder = pathlib.Path(tempfile.mkdtemp())
 >>> programs = [iw.Program([iw.ptp(deg=[a] + [0] * 6)], start_deg=[0] * 7) for a in (10, 20, 700)]
->>> _ = (folder / "programs.jsonl").write_text("\\n".join(program.to_json() for program in programs))
->>> batches.plan(folder / "programs.jsonl", folder / "figures").rows
+>>> source = folder / "programs.jsonl"
+>>> _ = source.write_text("\\n".join(program.to_json() for program in programs))
+>>> batches.plan(source, folder / "figures").rows
 3
 >>> figures = batches.read(folder / "figures")
 >>> [round(time_s, 3) for time_s in figures["cycle_time_s"].to_pylist()[:2]]
@@ -89,15 +90,16 @@ def plan(
     >>> from iiwasim import batches
     >>> folder = pathlib.Path(tempfile.mkdtemp())
     >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6)], start_deg=[0] * 7)
-    >>> _ = (folder / "programs.jsonl").write_text(program.to_json())
-    >>> batches.plan(folder / "programs.jsonl", folder / "figures", timing="acceleration").rows_planned
+    >>> source, target = folder / "programs.jsonl", folder / "figures"
+    >>> _ = source.write_text(program.to_json())
+    >>> batches.plan(source, target, timing="acceleration").rows_planned
     1
-    >>> batches.plan(folder / "programs.jsonl", folder / "figures", timing="acceleration").rows_planned
+    >>> batches.plan(source, target, timing="acceleration").rows_planned
     0
-    >>> batches.plan(folder / "programs.jsonl", folder / "figures")
+    >>> batches.plan(source, target)
     Traceback (most recent call last):
         ...
-    iiwasim._errors.IiwasimError: ... `timing` is 'acceleration' there, 'sunrise' here. Give a new folder
+    iiwasim._errors.IiwasimError: ... `timing` is 'acceleration' there, 'sunrise' here. ...
     """
     planning = Planning(column, options)
     with _Threads(jobs) as workers:

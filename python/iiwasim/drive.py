@@ -15,16 +15,16 @@ emergency stop.
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import time
 import warnings
 from contextlib import ExitStack, suppress
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from ._arrays import real_array
 from ._replies import (
     Conditions,
     DriveError,
@@ -46,6 +46,19 @@ from ._replies import (
     read_value,
     run_of,
     state_message,
+)
+from ._requests import (
+    MAX_POINTS,
+    MOTION_KEYS,
+    ProgramText,
+    as_robot,
+    check_without_signals,
+    program_keys,
+    request_text,
+    robot_of,
+    run_label,
+    seven_joints,
+    start_of,
 )
 
 if TYPE_CHECKING:
@@ -81,10 +94,6 @@ ADDRESS = "127.0.0.1:5560"
 """Default address of a drive."""
 START_TOLERANCE_RAD = math.radians(0.5)
 """Maximum joint deviation from the start of a program, as in `iiwasim run`."""
-# Keys of a program that are sent to the drive; the other keys are for planning only.
-MOTION_KEYS = ("motions", "tools", "bases", "frames", "tool", "base", "mode", "mount")
-MAX_BYTES = {"run_motions": 4 << 20, "run_trajectory": 32 << 20}
-MAX_POINTS = 200_000
 # Above the 4 s within which the drive answers a stop.
 STOP_TIMEOUT_S = 5.0
 # Pause before a stop whose connection was lost is sent again.
@@ -95,14 +104,6 @@ REST_TIMEOUT_S = 10.0
 PAUSE_S = 0.05
 # Maximum time for handing on the samples that arrived by the end of their run.
 LAST_SAMPLES_S = 0.5
-
-
-class ProgramText(Protocol):
-    """An object with a motion program in JSON, such as `iiwasim.Program`."""
-
-    def to_json(self) -> str:
-        """The program in JSON."""
-        ...
 
 
 class Drive:
@@ -205,7 +206,8 @@ class Drive:
         there, on a straight line in joint space at `start_velocity_rel` of the velocity limits.
         `start_rad`, (7,), replaces the start of the program. A program without a `start` starts at
         the current position. `limit_torque_percent` is for planning only; to enforce it, run the
-        samples of the plan with `run_trajectory`.
+        samples of the plan with `run_trajectory`. A program with `set` or `wait_for` raises
+        `ValueError`: a request contains motions only.
 
         Ctrl-C, an exception in `on_sample`, and a run of more than `timeout_s` stop the robot on
         its path, also during the motion to the start; the exception is raised once the robot is at
@@ -224,11 +226,14 @@ class Drive:
         or aborted.
         """
         _check_callable(on_sample)
-        keys = _program_keys(program)
-        start = _start_of(program, keys) if start_rad is None else _seven(start_rad, "start_rad")
+        keys = program_keys(program)
+        check_without_signals(keys)
+        start = (
+            start_of(program, keys) if start_rad is None else seven_joints(start_rad, "start_rad")
+        )
         request = {"type": "run_motions", **{key: keys[key] for key in MOTION_KEYS if key in keys}}
-        robot = _robot_of(program, keys) if robot is None else _as_robot(robot)
-        text = _request_text({**request, **_label(name, planned_s, robot)})
+        robot = robot_of(program, keys) if robot is None else as_robot(robot)
+        text = request_text({**request, **run_label(name, planned_s, robot)})
         if start is not None:
             self._go_to_start(start, move_to_start, start_velocity_rel, robot)
         elif move_to_start:
@@ -266,8 +271,7 @@ class Drive:
         '0.020'
         """
         _check_callable(on_sample)
-        times = np.asarray(t, dtype=np.float64)
-        points = np.asarray(q, dtype=np.float64)
+        times, points = real_array("t", t), real_array("q", q)
         if times.ndim != 1 or points.shape != (len(times), 7) or not 0 < len(times) <= MAX_POINTS:
             found = f"t {times.shape}, q {points.shape}"
             raise ValueError(
@@ -276,9 +280,9 @@ class Drive:
         if not (np.isfinite(times).all() and np.isfinite(points).all()):
             raise ValueError("t and q have to be finite")
         trajectory = {"t_s": times.tolist(), "joints_rad": points.tolist()}
-        robot = None if robot is None else _as_robot(robot)
-        label = _label(name, planned_s, robot)
-        text = _request_text({"type": "run_trajectory", "trajectory": trajectory, **label})
+        robot = None if robot is None else as_robot(robot)
+        label = run_label(name, planned_s, robot)
+        text = request_text({"type": "run_trajectory", "trajectory": trajectory, **label})
         self._go_to_start(points[0], move_to_start, start_velocity_rel, robot)
         return self._execute(text, timeout_s, on_sample)
 
@@ -381,7 +385,7 @@ class Drive:
     ) -> T:
         """Sends a request, and reads its reply."""
         with self._connection() as line:
-            line.send(_request_text(request))
+            line.send(request_text(request))
             if not line.poll(timeout_s):
                 raise DriveTimeout(
                     "timeout", f"the drive at {self._at} did not reply within {timeout_s:.3g} s"
@@ -429,8 +433,8 @@ class Drive:
             )
         approach = {"type": "ptp", "joints_rad": start.tolist(), "velocity_rel": velocity_rel}
         try:
-            request = {"type": "run_motions", "motions": [approach], **_label(None, None, robot)}
-            self._execute(_request_text(request), None, None)
+            request = {"type": "run_motions", "motions": [approach], **run_label(None, None, robot)}
+            self._execute(request_text(request), None, None)
         except DriveError as error:
             raise type(error)(
                 error.code, f"the robot did not move to the start: {error.message}"
@@ -489,38 +493,6 @@ class Drive:
         return None
 
 
-def _as_robot(robot: Robot | str) -> Robot:
-    from ._native import Robot as NativeRobot
-
-    return NativeRobot(robot) if isinstance(robot, str) else robot
-
-
-def _robot_of(program: object, keys: dict[str, Any]) -> Robot:
-    """The robot for which a program is written."""
-    from ._native import Program, Robot
-
-    return (
-        program.robot
-        if isinstance(program, Program)
-        else Robot(keys.get("robot") or "lbr_iiwa_7_r800")
-    )
-
-
-def _label(name: str | None, planned_s: float | None, robot: Robot | None) -> dict[str, Any]:
-    """The label of a run request: statements about the run."""
-    label: dict[str, Any] = {} if name is None else {"program": name}
-    if robot is not None:
-        label["planned_for"] = {
-            "model": robot.name,
-            "lengths_mm": json.loads(robot.profile())["lengths_mm"],
-        }
-    if planned_s is not None:
-        if not 0.0 <= planned_s < math.inf:
-            raise ValueError(f"planned_s is {planned_s}; give a time in s")
-        label["plan"] = {"cycle_time_s": float(planned_s)}
-    return {"label": label} if label else {}
-
-
 def _follow(
     line: Line,
     samples: Line | None,
@@ -555,72 +527,6 @@ def _check_callable(on_sample: object) -> None:
     """Raises `TypeError` for an invalid `on_sample` before the robot moves."""
     if on_sample is not None and not callable(on_sample):
         raise TypeError(f"on_sample is {on_sample!r}; a function of a JointSample is expected")
-
-
-def _program_keys(program: ProgramText | Mapping[str, Any] | str) -> dict[str, Any]:
-    """The keys of a program in any of its forms."""
-    if isinstance(program, str):
-        try:
-            keys = json.loads(program)
-        except ValueError as error:
-            taken = "a str is taken for the JSON of a program, and iiwasim.Program.load reads files"
-            raise ValueError(f"the program is not JSON: {error}; {taken}") from None
-    elif hasattr(program, "to_json"):
-        keys = json.loads(program.to_json())
-    elif hasattr(program, "keys"):
-        keys = dict(program)
-    else:
-        forms = (
-            "an iiwasim.Program, of motions or of a file by its load, the keys of one, or its JSON "
-            "as a str"
-        )
-        raise TypeError(f"a program is {forms}; found {type(program).__name__}")
-    if not isinstance(keys, dict):
-        raise TypeError(f"a program is a JSON object, found {type(keys).__name__}")
-    if "include" in keys:
-        included = f"the program includes {keys['include']!r}, which a drive cannot read"
-        raise ValueError(f"{included}: load it by iiwasim.Program.load, which does")
-    return keys
-
-
-def _start_of(program: object, keys: dict[str, Any]) -> Joints | None:
-    """The start of a program, in rad; `None` if it has no start."""
-    if "start" not in keys:
-        return None
-    start = keys["start"]
-    for name, to_rad in (("joints_rad", 1.0), ("joints_deg", math.pi / 180.0)):
-        if isinstance(start, dict) and name in start:
-            return _seven(start[name], f"the start's {name}") * to_rad
-    # The start is a frame: its joint positions depend on the robot, which `Program` knows.
-    from ._native import Program
-
-    if not isinstance(program, Program):
-        program = Program.from_json(json.dumps({"version": 1, **keys}, default=_plain))
-    return _seven(program.start_rad, "the program's start")
-
-
-def _seven(values: object, what: str) -> Joints:
-    joints = np.asarray(values, dtype=np.float64)
-    if joints.shape != (7,) or not np.isfinite(joints).all():
-        raise ValueError(
-            f"{what} has to be seven finite numbers, A1 to A7; found {joints.tolist()}"
-        )
-    return joints
-
-
-def _request_text(request: dict[str, Any]) -> bytes:
-    text = json.dumps(request, allow_nan=False, separators=(",", ":"), default=_plain).encode()
-    most = MAX_BYTES.get(request["type"], 64 << 10)
-    if len(text) > most:
-        raise ValueError(f"the request has {len(text)} bytes, and a drive takes {most}: split it")
-    return text
-
-
-def _plain(value: object) -> object:
-    """Converts NumPy arrays and numbers to JSON values."""
-    if isinstance(value, (np.ndarray, np.generic)):
-        return value.tolist()
-    raise TypeError(f"{type(value).__name__} has no form in JSON")
 
 
 def _caution(conditions: Conditions) -> str:

@@ -7,13 +7,15 @@ apply then.
 from __future__ import annotations
 
 # Imported at run time, too: `typing.get_type_hints` needs these names.
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Union
 
 import numpy as np
 
-Share = Union[float, Sequence[float]]
+from ._options import Frame, Numbers
+
+Share = Union[float, Numbers]
 
 Motion = dict[str, Any]
 """A motion, as in program files.
@@ -26,23 +28,30 @@ True
 
 # Keys of motions that functions build from arguments with other names.
 INSTEAD = {
-    "blend": "give blend_cart_mm or blend_ori_deg",
+    "blend": "give blend_cart_mm, blend_ori_deg or blend_sunrise_rel",
     "offset": "give x_mm, y_mm, z_mm, a_deg, b_deg or c_deg",
     "in": "give within",
     "type": "its motions have their type",
 }
 
 
-def _numbers(name: str, values: Sequence[float]) -> list[float]:
+def _numbers(name: str, values: Numbers) -> list[float]:
     with _named(name, values, "a list of numbers"):
-        return [float(value) for value in values]
+        return [_real(value) for value in values]
+
+
+def _real(value: Any) -> float:
+    """Converts to a number. NumPy would accept masked values, and drop imaginary parts."""
+    if np.ma.is_masked(value) or np.iscomplexobj(value):
+        raise TypeError
+    return float(value)
 
 
 def _share(name: str, value: Share | None) -> float | list[float] | None:
     if value is None or isinstance(value, (int, float)):
         return value
     with _named(name, value, "a number, or one for each joint,"):
-        return float(value) if np.ndim(value) == 0 else [float(one) for one in value]  # type: ignore[arg-type]
+        return _real(value) if np.ndim(value) == 0 else [_real(one) for one in value]
 
 
 @contextmanager
@@ -78,9 +87,9 @@ def _blend(
 
 def ptp(
     *,
-    deg: Sequence[float] | None = None,
-    rad: Sequence[float] | None = None,
-    frame: str | Mapping[str, Any] | None = None,
+    deg: Numbers | None = None,
+    rad: Numbers | None = None,
+    frame: Frame | None = None,
     velocity_rel: Share | None = None,
     acceleration_rel: Share | None = None,
     jerk_rel: Share | None = None,
@@ -91,6 +100,9 @@ def ptp(
     blocking: bool = False,
     tool: str | None = None,
     base: str | None = None,
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
 ) -> Motion:
     """Moves all joints to joint positions, in deg or rad, or to a frame; all joints arrive
     together.
@@ -100,9 +112,15 @@ def ptp(
     neighbouring segments up to 0.5, `blend_sunrise_rel` the argument of Sunrise's `setBlendingRel`.
     A `blocking` motion, for whose end the program waits, is followed by a longer standstill.
 
+    All motions may have a `name` and a `comment`, for tables, reports and messages, and a `group`,
+    whose time is in `Plan.groups`.
+
     >>> import iiwasim as iw
-    >>> iw.ptp(deg=[0, 30, 0, -60, 0, 90, 0], velocity_rel=0.5, blend_cart_mm=50)
-    {'type': 'ptp', 'joints_deg': [0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0], 'velocity_rel': 0.5, 'blend': {'cart_mm': 50}}
+    >>> motion = iw.ptp(deg=[0, 30, 0, -60, 0, 90, 0], velocity_rel=0.5, blend_cart_mm=50)
+    >>> motion["type"], motion["joints_deg"]
+    ('ptp', [0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0])
+    >>> motion["velocity_rel"], motion["blend"]
+    (0.5, {'cart_mm': 50})
     """
     if sum(value is not None for value in (deg, rad, frame)) != 1:
         raise ValueError("ptp goes to one of deg, rad and frame")
@@ -120,15 +138,22 @@ def ptp(
             blend_cart_mm, blend_ori_deg, fraction=blend_fraction, sunrise_rel=blend_sunrise_rel
         ),
         blocking=blocking or None,
+        name=name,
+        comment=comment,
+        group=group,
     )
 
 
 def lin(
-    frame: str | Mapping[str, Any],
+    frame: Frame,
     *,
     cart_velocity_mm_s: float | None = None,
     blend_cart_mm: float | None = None,
     blend_ori_deg: float | None = None,
+    blend_sunrise_rel: float | None = None,
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
     **limits: Any,
 ) -> Motion:
     """Moves the TCP on a straight line to a frame: the name of a program frame, or a dict.
@@ -139,11 +164,14 @@ def lin(
     >>> iw.lin("place", cart_velocity_mm_s=250, cart_jerk_mm_s3=20000)
     {'type': 'lin', 'frame': 'place', 'cart_velocity_mm_s': 250, 'cart_jerk_mm_s3': 20000}
     """
-    blend = _blend(blend_cart_mm, blend_ori_deg)
+    blend = _blend(blend_cart_mm, blend_ori_deg, sunrise_rel=blend_sunrise_rel)
     return _motion(
         "lin",
         frame=frame,
         cart_velocity_mm_s=cart_velocity_mm_s,
+        name=name,
+        comment=comment,
+        group=group,
         **_others("lin", limits),
         blend=blend,
     )
@@ -162,6 +190,10 @@ def lin_rel(
     cart_velocity_mm_s: float | None = None,
     blend_cart_mm: float | None = None,
     blend_ori_deg: float | None = None,
+    blend_sunrise_rel: float | None = None,
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
     **limits: Any,
 ) -> Motion:
     """Moves the TCP on a straight line by an offset, along the TCP axes or the axes of `within`.
@@ -184,19 +216,26 @@ def lin_rel(
         **{"in": within},
         e1_deg=e1_deg,
         cart_velocity_mm_s=cart_velocity_mm_s,
+        name=name,
+        comment=comment,
+        group=group,
         **_others("lin_rel", limits, "offset", "in"),
-        blend=_blend(blend_cart_mm, blend_ori_deg),
+        blend=_blend(blend_cart_mm, blend_ori_deg, sunrise_rel=blend_sunrise_rel),
     )
 
 
 def circ(
-    aux: str | Mapping[str, Any],
-    frame: str | Mapping[str, Any],
+    aux: Frame,
+    frame: Frame,
     *,
     circ_angle_deg: float | None = None,
     cart_velocity_mm_s: float | None = None,
     blend_cart_mm: float | None = None,
     blend_ori_deg: float | None = None,
+    blend_sunrise_rel: float | None = None,
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
     **limits: Any,
 ) -> Motion:
     """Moves the TCP on a circular arc through `aux` to `frame`, or by `circ_angle_deg`.
@@ -211,8 +250,11 @@ def circ(
         frame=frame,
         circ_angle_deg=circ_angle_deg,
         cart_velocity_mm_s=cart_velocity_mm_s,
+        name=name,
+        comment=comment,
+        group=group,
         **_others("circ", limits),
-        blend=_blend(blend_cart_mm, blend_ori_deg),
+        blend=_blend(blend_cart_mm, blend_ori_deg, sunrise_rel=blend_sunrise_rel),
     )
 
 
@@ -222,6 +264,10 @@ def spline(
     cart_velocity_mm_s: float | None = None,
     blend_cart_mm: float | None = None,
     blend_ori_deg: float | None = None,
+    blend_sunrise_rel: float | None = None,
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
     **limits: Any,
 ) -> Motion:
     """Moves the TCP through frames without a stop; segments are `spl`, `lin` and `circ` dicts.
@@ -234,12 +280,22 @@ def spline(
         "spline",
         segments=[dict(segment) for segment in segments],
         cart_velocity_mm_s=cart_velocity_mm_s,
+        name=name,
+        comment=comment,
+        group=group,
         **_others("spline", limits),
-        blend=_blend(blend_cart_mm, blend_ori_deg),
+        blend=_blend(blend_cart_mm, blend_ori_deg, sunrise_rel=blend_sunrise_rel),
     )
 
 
-def wait(seconds: float, *, overlap: bool | int = False) -> Motion:
+def wait(
+    seconds: float,
+    *,
+    overlap: bool | int = False,
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
+) -> Motion:
     """Waits at standstill.
 
     With `overlap` the waiting time is counted from the start of the motion before; a number counts
@@ -249,29 +305,147 @@ def wait(seconds: float, *, overlap: bool | int = False) -> Motion:
     >>> iw.wait(0.5), iw.wait(1, overlap=True)
     ({'type': 'wait', 'seconds': 0.5}, {'type': 'wait', 'seconds': 1, 'overlap': True})
     """
-    if isinstance(overlap, (bool, np.bool_)):
-        return _motion("wait", seconds=seconds, overlap=True if overlap else None)
-    return _motion("wait", seconds=seconds, overlap_motions=overlap)
+    is_flag = isinstance(overlap, (bool, np.bool_))
+    return _motion(
+        "wait",
+        seconds=seconds,
+        overlap=True if is_flag and overlap else None,
+        overlap_motions=None if is_flag else overlap,
+        name=name,
+        comment=comment,
+        group=group,
+    )
+
+
+def set_io(
+    io: str,
+    value: bool | float,
+    *,
+    overlap: bool | int = False,
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
+) -> Motion:
+    """Sets an output, which takes no time. On a Sunrise controller, its name is `Group.Signal`.
+
+    The arm is at rest. With `overlap` the output is set at the start of the motion before; a number
+    counts that many motions back.
+
+    >>> import iiwasim as iw
+    >>> iw.set_io("Gripper.Close", True)
+    {'type': 'set', 'io': 'Gripper.Close', 'value': True}
+    """
+    is_flag = isinstance(overlap, (bool, np.bool_))
+    return _motion(
+        "set",
+        io=io,
+        value=_io_value(value),
+        overlap=True if is_flag and overlap else None,
+        overlap_motions=None if is_flag else overlap,
+        name=name,
+        comment=comment,
+        group=group,
+    )
+
+
+def wait_for(
+    io: str,
+    value: bool | float,
+    seconds: float,
+    *,
+    overlap: bool | int = False,
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
+) -> Motion:
+    """Waits until an input has a value.
+
+    The plan assumes that this takes `seconds`, and lists the assumption. The arm is at rest. With
+    `overlap` the time is counted from the start of the motion before; a number counts that many
+    motions back.
+
+    >>> import iiwasim as iw
+    >>> iw.wait_for("Gripper.Closed", True, 0.4)
+    {'type': 'wait_for', 'io': 'Gripper.Closed', 'value': True, 'seconds': 0.4}
+    """
+    is_flag = isinstance(overlap, (bool, np.bool_))
+    return _motion(
+        "wait_for",
+        io=io,
+        value=_io_value(value),
+        seconds=seconds,
+        overlap=True if is_flag and overlap else None,
+        overlap_motions=None if is_flag else overlap,
+        name=name,
+        comment=comment,
+        group=group,
+    )
+
+
+def _io_value(value: bool | float) -> bool | float:
+    """Converts scalars of NumPy; `False` is a value, too."""
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def load(
     mass_kg: float | None,
     *,
-    center_mm: Sequence[float] = (0, 0, 0),
-    inertia_kg_m2: Sequence[float] | None = None,
-    abc_deg: Sequence[float] | None = None,
+    center_mm: Numbers = (0, 0, 0),
+    inertia_kg_m2: Numbers | None = None,
+    abc_deg: Numbers | None = None,
+    shapes: Iterable[Mapping[str, Any]] = (),
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
 ) -> Motion:
     """Sets the load at the flange (tool and workpiece); `None` restores the load of the tool.
+
+    `shapes` are the shapes of the workpiece in the flange frame, which count in clearances: dicts
+    with the keys of program files.
 
     >>> import iiwasim as iw
     >>> iw.load(2.5, center_mm=[0, 0, 60])
     {'type': 'load', 'load': {'mass_kg': 2.5, 'center_mm': [0.0, 0.0, 60.0]}}
+    >>> ball = {"type": "sphere", "center_mm": [0, 0, 150], "radius_mm": 40}
+    >>> iw.load(1, shapes=[ball])["load"]["shapes"]
+    [{'type': 'sphere', 'center_mm': [0, 0, 150], 'radius_mm': 40}]
     """
+    labels = {"name": name, "comment": comment, "group": group}
     if mass_kg is None:
-        return {"type": "load", "load": None}
+        return {**_motion("load", **labels), "load": None}
     own: dict[str, Any] = {"mass_kg": mass_kg, "center_mm": _numbers("center_mm", center_mm)}
     if inertia_kg_m2 is not None:
         own["inertia_kg_m2"] = _numbers("inertia_kg_m2", inertia_kg_m2)
     if abc_deg is not None:
         own["abc_deg"] = _numbers("abc_deg", abc_deg)
-    return {"type": "load", "load": own}
+    if listed := [dict(shape) for shape in shapes]:
+        own["shapes"] = listed
+    return _motion("load", load=own, **labels)
+
+
+def repeat(
+    count: int,
+    motions: Iterable[Motion],
+    *,
+    name: str | None = None,
+    comment: str | None = None,
+    group: str | None = None,
+) -> Motion:
+    """Repeats motions `count` times; blocks may contain further blocks.
+
+    `group` is the group of all motions of the block that state no group. A program counts the
+    motions of all rounds.
+
+    >>> import iiwasim as iw
+    >>> block = iw.repeat(3, [iw.lin_rel(z_mm=10), iw.wait(0.5)], name="stack")
+    >>> len(iw.Program([iw.ptp(deg=[0, 30, 0, -60, 0, 90, 0]), block], start_deg=[0] * 7))
+    7
+    """
+    return _motion(
+        "repeat",
+        count=count,
+        motions=[dict(motion) for motion in motions],
+        name=name,
+        comment=comment,
+        group=group,
+    )

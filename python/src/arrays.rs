@@ -1,20 +1,80 @@
 //! Joint positions as NumPy arrays, without copies where the memory layout allows it.
 
-use std::{borrow::Cow, ops::Range};
+use std::{
+    borrow::Cow,
+    ops::{Deref, Range},
+};
 
 use iiwa_kin::Joints;
 use numpy::{
-    AllowTypeChange, Element, IxDyn, PyArray, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods,
-    PyUntypedArrayMethods,
+    AllowTypeChange, Element, IxDyn, PyArray, PyArrayDescrMethods, PyArrayDyn, PyArrayLike,
+    PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
     ndarray::{ArrayD, Dimension},
 };
 use pyo3::{
-    exceptions::{PyMemoryError, PyValueError},
+    exceptions::{PyMemoryError, PyTypeError, PyValueError},
     prelude::*,
+    types::{PyList, PyTuple},
 };
 
 /// Joint positions from Python: (7,) or (n, 7), or anything that NumPy converts to such an array.
-pub(crate) type JointsLike<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;
+pub(crate) type JointsLike<'py> = RealArray<'py, IxDyn>;
+
+/// Real numbers from Python: an array, or anything that NumPy converts to one. Complex numbers and
+/// masked values, which NumPy would convert without an error, are refused.
+pub(crate) struct RealArray<'py, D: Dimension>(PyArrayLike<'py, f64, D, AllowTypeChange>);
+
+impl<'py, D: Dimension> Deref for RealArray<'py, D> {
+    type Target = PyArrayLike<'py, f64, D, AllowTypeChange>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl<'a, 'py, D: Dimension + 'py> FromPyObject<'a, 'py> for RealArray<'py, D> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        check_real(&value)?;
+        value.extract().map(Self)
+    }
+}
+
+/// Refuses complex numbers and masked values.
+fn check_real(value: &Bound<'_, PyAny>) -> PyResult<()> {
+    let py = value.py();
+    let check_kind = |array: &Bound<'_, PyUntypedArray>| match array.dtype().kind() {
+        b'c' => {
+            Err(PyTypeError::new_err("the array has complex numbers; real numbers are expected"))
+        }
+        _ => Ok(()),
+    };
+    if let Ok(array) = value.cast::<PyUntypedArray>() {
+        let is_plain = value.get_type().is(py.get_type::<PyUntypedArray>());
+        if !is_plain && py.import("numpy.ma")?.call_method1("is_masked", (value,))?.is_truthy()? {
+            return Err(PyTypeError::new_err(
+                "the array has masked values; fill them or leave them out",
+            ));
+        }
+        return check_kind(array);
+    }
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        // NumPy itself refuses complex numbers of Python.
+        for entry in value.try_iter()? {
+            let entry = entry?;
+            if entry.cast::<PyUntypedArray>().is_ok() {
+                check_real(&entry)?;
+            }
+        }
+        return Ok(());
+    }
+    // Such as a table of pandas.
+    match py.import("numpy")?.call_method1("asarray", (value,))?.cast::<PyUntypedArray>() {
+        Ok(array) => check_kind(array),
+        Err(_) => Ok(()),
+    }
+}
 
 /// Rows of seven numbers.
 pub(crate) struct Rows<'a> {

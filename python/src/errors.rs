@@ -1,8 +1,11 @@
 //! Conversion of errors to the exceptions of `iiwasim._errors`.
 
-use std::{fs, io, path::Path};
+use std::{
+    io::{self, Read},
+    path::Path,
+};
 
-use iiwa_files::{OutputError, folder_of};
+use iiwa_files::{InputFile, NotUtf8, OutputError, folder_of};
 use iiwa_json::JsonPlace;
 use iiwa_kin::ProfileError;
 use iiwa_plan::Error;
@@ -12,6 +15,11 @@ use pyo3::{
     exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError},
     prelude::*,
     types::PyTuple,
+};
+
+use crate::{
+    arguments::{in_argument, in_program},
+    work::interruptible,
 };
 
 /// An exception of `iiwasim._errors`, made with these arguments.
@@ -67,18 +75,64 @@ pub(crate) fn output_error(error: &OutputError) -> PyErr {
     }
 }
 
-/// The text of a file; an exception of `class` if the file is not UTF-8.
+/// The text of a file without its byte order mark; an exception of `class` if the file is not
+/// UTF-8. Ctrl-C ends the wait for the writer of a pipe.
 pub(crate) fn read_text(py: Python<'_>, path: &Path, class: &str) -> PyResult<String> {
-    fs::read_to_string(path).map_err(|error| match error.kind() {
-        io::ErrorKind::InvalidData => {
-            exception(py, class, (format!("{}: the text is not UTF-8", path.display()),))
+    match iiwa_files::text(read_file(py, path)?) {
+        Ok(text) => Ok(text),
+        Err(error @ NotUtf8::Utf16(_)) => {
+            Err(exception(py, class, (format!("{}: {error}", path.display()),)))
         }
-        _ => os_error(path, &error),
-    })
+        Err(NotUtf8::Other(_)) => {
+            Err(exception(py, class, (format!("{}: the text is not UTF-8", path.display()),)))
+        }
+    }
+}
+
+/// The content of a file or a pipe. Ctrl-C ends the wait for the writer of a pipe.
+pub(crate) fn read_file(py: Python<'_>, path: &Path) -> PyResult<Vec<u8>> {
+    let input = InputFile::open(path).map_err(|error| os_error(path, &error))?;
+    read_input(py, path, input)
+}
+
+/// The content of the open file or pipe `path`.
+pub(crate) fn read_input(py: Python<'_>, path: &Path, input: InputFile) -> PyResult<Vec<u8>> {
+    let read = |mut input: InputFile| {
+        let mut bytes = Vec::new();
+        input.read_to_end(&mut bytes).map(|_| bytes)
+    };
+    let bytes = if input.is_pipe() {
+        interruptible(py, move |stop| read(input.stopped_by(stop)), |_| Ok(()))?
+    } else {
+        read(input)
+    };
+    bytes.map_err(|error| os_error(path, &error))
 }
 
 fn in_text(py: Python<'_>, class: &str, message: &str, place: &JsonPlace) -> PyErr {
     exception(py, class, (format!("{message}, at {place}"), place.line, place.column))
+}
+
+/// A `ProgramError` for an invalid argument, `name`, that was converted to the `text` of a program;
+/// `outer` is the path to the argument in the text.
+pub(crate) fn argument_error(
+    py: Python<'_>,
+    error: &ProgramError,
+    text: &str,
+    outer: &[&str],
+    name: &str,
+) -> PyErr {
+    let message = in_argument(&error.message(), text, error.place().span.start, outer, name);
+    exception(py, "ProgramError", (message,))
+}
+
+/// Origin of a program text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TextOrigin {
+    /// The caller has the text: errors state line and column.
+    Given,
+    /// The text was made from arguments: errors state the motion and the argument.
+    Arguments,
 }
 
 /// A `ProgramError` for an invalid program text.
@@ -88,7 +142,28 @@ pub(crate) fn program_error(py: Python<'_>, error: &ProgramError) -> PyErr {
     exception(py, "ProgramError", (error.to_string(), place.line, place.column, motion))
 }
 
-/// A `ProgramError`, or another exception, for a program that cannot be read or planned.
+/// A `ProgramError`, or another exception, for a program, with its text, that cannot be read or
+/// planned.
+pub(crate) fn plan_error_in(
+    py: Python<'_>,
+    error: &Error,
+    text: &str,
+    origin: TextOrigin,
+) -> PyErr {
+    let is_of_program =
+        matches!(error, Error::Program(_) | Error::Plan { .. } | Error::UnknownRobot { .. });
+    if origin == TextOrigin::Given || !is_of_program || error.is_interrupt() {
+        return plan_error(py, error);
+    }
+    let message = match error.place() {
+        Some(place) => in_program(&error.message(), text, place.span.start),
+        None => error.message(),
+    };
+    let motion = error.motion().map(MotionIndex::number);
+    exception(py, "ProgramError", (message, None::<usize>, None::<usize>, motion))
+}
+
+/// A `ProgramError`, or another exception, for a program text that cannot be read or planned.
 pub(crate) fn plan_error(py: Python<'_>, error: &Error) -> PyErr {
     if error.is_interrupt() {
         return PyKeyboardInterrupt::new_err(());

@@ -1,11 +1,10 @@
 //! Comparison of plans with recordings, and identification of robots from recordings.
 
-use std::{
-    io::Read,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
-use iiwa_eval::{Comparison as Compared, PlannedTrajectory as Reference, identify as identified};
+use iiwa_eval::{
+    Comparison as Compared, PlannedTrajectory as Reference, TracePoint, identify as identified,
+};
 use iiwa_kin::Robot as Model;
 use iiwa_plan::{PlanRequest, ProgramSource};
 use iiwa_report::{ComparisonReport, IdentificationReport, draw_comparison, with_causes};
@@ -17,12 +16,13 @@ use pyo3::{
 
 use crate::{
     Pickled,
-    errors::{exception, os_error, plan_error, unexpected},
+    arrays::array,
+    errors::{exception, plan_error, read_file, unexpected},
     frames::object,
     options::RobotArgument,
-    plan::Plan,
+    plan::{Plan, TABLE_WIDTH},
     program::Program,
-    recording::{Recording, open, recording_error},
+    recording::{Recording, recording_error},
     robot::Robot,
     work::interruptible,
 };
@@ -67,9 +67,7 @@ impl<'py> FromPyObject<'_, 'py> for PlanArgument {
         let path: PathBuf = value
             .extract()
             .map_err(|_| unexpected("plan", &value, "a Plan or the path of its MCAP file"))?;
-        let mut bytes = Vec::new();
-        let read = open(&path)?.read_to_end(&mut bytes);
-        read.map_err(|error| os_error(&path, &error))?;
+        let bytes = read_file(value.py(), &path)?;
         let name = path.display().to_string();
         Ok(Self::File(name, PyBytes::new(value.py(), &bytes).unbind()))
     }
@@ -194,7 +192,7 @@ impl Comparison {
         figures(py, &self.report)
     }
 
-    /// The tables that `iiwasim compare` prints.
+    /// The table that `iiwasim compare` prints to a terminal of 80 characters per line.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -204,7 +202,7 @@ impl Comparison {
     /// >>> 'Cycle time' in comparison.table()
     /// True
     fn table(&self) -> String {
-        self.report.text()
+        self.report.text(Some(TABLE_WIDTH))
     }
 
     /// Planned and measured path as a picture, SVG.
@@ -219,6 +217,34 @@ impl Comparison {
     fn picture(&self) -> PyResult<String> {
         draw_comparison(&self.plan, &self.compared)
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))
+    }
+
+    /// Planned and measured flange path, and their deviation over time, as a matplotlib figure.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> samples = plan.sample(rate_hz=250)
+    /// >>> comparison = iw.compare(plan, iw.Recording(samples.t, samples.q))
+    /// >>> len(comparison.plot().axes)
+    /// 4
+    fn plot<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("iiwasim._plots")?.call_method1("compared", (slf,))
+    }
+
+    /// Compared samples, for plots: times, in s, of the plan and of the recording; measured and
+    /// planned flange positions, in m; and the deviations, in rad and in m.
+    fn _trace<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let points = &self.compared.trace;
+        let row = |point: &TracePoint| {
+            let planned = self.plan.robot().flange_pose(&self.plan.at(point.plan_s)).position_m;
+            let [x, y, z] = point.tcp_m;
+            let [u, v, w] = planned;
+            let deviations = [point.joints_rad, point.tcp_deviation_m];
+            [point.plan_s, point.measured_s, x, y, z, u, v, w, deviations[0], deviations[1]]
+        };
+        let rows = points.iter().map(row).collect();
+        array(py, rows, &[10], false).map(Bound::into_any)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
@@ -353,7 +379,8 @@ pub(crate) fn identify(
 
 #[pymethods]
 impl Identification {
-    /// The robot with the identified parameters, for planning.
+    /// The robot with the identified parameters, for planning. Parameters that the recordings do
+    /// not show have the values of the assumed robot; `robot.assumptions` lists them.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)

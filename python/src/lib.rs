@@ -1,5 +1,6 @@
 //! The native part of the Python package `iiwasim`.
 
+mod arguments;
 mod arrays;
 mod errors;
 mod evaluation;
@@ -30,6 +31,7 @@ mod _native {
     #[pymodule_export]
     use super::{
         evaluation::{Comparison, Identification, compare, identify},
+        frames::{frame, pose},
         page::page,
         plan::Plan,
         planning::{plan, plan_all},

@@ -18,6 +18,13 @@ pub(crate) fn page(
     measured: Option<PathBuf>,
     scene: Option<&Bound<'_, Scene>>,
 ) -> PyResult<String> {
+    for file in [Some(&file), measured.as_ref()].into_iter().flatten() {
+        // Reading a pipe could not be interrupted.
+        if file.metadata().is_ok_and(|kind| !kind.is_file() && !kind.is_dir()) {
+            let name = file.display();
+            return Err(PyValueError::new_err(format!("{name} is a pipe or a device, not a file")));
+        }
+    }
     let scene = scene.map(|scene| (*scene.get().parsed).clone());
     let work = move |_| -> Result<String, String> {
         let options = PageOptions { scene, ..PageOptions::default() };

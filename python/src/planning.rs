@@ -20,7 +20,7 @@ use pyo3::{
 use rayon::{ThreadPoolBuilder, prelude::*};
 
 use crate::{
-    errors::{plan_error, unexpected},
+    errors::{TextOrigin, plan_error_in, unexpected},
     options::{RobotArgument, plan_options},
     plan::Plan,
     program::Program,
@@ -30,6 +30,7 @@ use crate::{
 /// A program and the request for its plan.
 struct PlanTask {
     source: Arc<ProgramSource>,
+    origin: TextOrigin,
     request: PlanRequest,
 }
 
@@ -47,7 +48,7 @@ impl PlanTask {
             options,
             ..PlanRequest::default()
         };
-        Self { source: Arc::clone(&program.source), request }
+        Self { source: Arc::clone(&program.source), origin: program.origin, request }
     }
 
     /// Plans the program with a planner whose memory is reused.
@@ -65,8 +66,8 @@ impl PlanTask {
         planned: Result<iiwa_plan::Plan, Error>,
     ) -> Result<Plan, PyErr> {
         match planned {
-            Ok(plan) => Ok(Plan::new(self.source, plan)),
-            Err(error) => Err(plan_error(py, &error)),
+            Ok(plan) => Ok(Plan::new(self.source, self.origin, plan)),
+            Err(error) => Err(plan_error_in(py, &error, self.source.text.as_read(), self.origin)),
         }
     }
 }
@@ -121,20 +122,23 @@ fn give_way(takes_all: bool) {
 ///
 /// `robot`, a `Robot`, a name or the path of a profile, replaces the robot of the program.
 /// `limit_torque_percent` also limits torques. `override_percent`, the override of the controller,
-/// replaces the override of the program: it slows motions down, but not pauses and waits. Raises
-/// `ProgramError` with line, column and motion. Ctrl-C interrupts planning.
+/// replaces the override of the program: it slows down motions, but neither the standstill after
+/// stops nor waits. Raises `ProgramError` with the motion and its argument, or with line and column
+/// of a program that was read from a text. Ctrl-C interrupts planning.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
 /// >>> plan = iw.plan(program)
-/// >>> iw.plan(program, robot='lbr_iiwa_14_r820', timing='acceleration').cycle_time_s < plan.cycle_time_s * 2
+/// >>> other = iw.plan(program, robot='lbr_iiwa_14_r820', timing='acceleration')
+/// >>> other.cycle_time_s < plan.cycle_time_s * 2
 /// True
 /// >>> round(iw.plan(program, override_percent=50).motion_time_s / plan.motion_time_s, 3)
 /// 2.0
 #[pyfunction]
 #[pyo3(signature = (
-    program, *, robot = None, timing = "sunrise", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
-    limit_torque_percent = None, override_percent = None
+    program, *, robot = None, timing = "sunrise", blend_shape = "iiwa",
+    blend_search = "first-crossing", samples = 100, limit_torque_percent = None,
+    override_percent = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
 pub(crate) fn plan(
@@ -173,8 +177,9 @@ pub(crate) fn plan(
 /// ['Plan', 'Plan', 'ProgramError']
 #[pyfunction]
 #[pyo3(signature = (
-    programs, *, robot = None, timing = "sunrise", blend_shape = "iiwa", blend_search = "first-crossing", samples = 100,
-    limit_torque_percent = None, override_percent = None, jobs = None, progress = None
+    programs, *, robot = None, timing = "sunrise", blend_shape = "iiwa",
+    blend_search = "first-crossing", samples = 100, limit_torque_percent = None,
+    override_percent = None, jobs = None, progress = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
 pub(crate) fn plan_all<'py>(

@@ -1,11 +1,7 @@
 //! Motion programs.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{path::PathBuf, sync::Arc};
 
-use iiwa_files::Output;
 use iiwa_kin::Robot as Model;
 use iiwa_plan::{Error, ProgramSource};
 use iiwa_program::Program as Motions;
@@ -15,17 +11,17 @@ use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 use crate::{
     Pickled,
     arrays::{JointsLike, Rows, array},
-    errors::{output_error, plan_error, read_text},
+    errors::{TextOrigin, plan_error, plan_error_in, read_text},
     frames::{json_of_program, object},
     options::RobotArgument,
-    robot::{Robot, find, is_same, restorable, restored},
+    robot::{Robot, find, is_same, restorable, restored, write},
 };
 
 /// A motion program: the start position and the motions. Immutable.
 ///
 /// `motions` are results of `ptp`, `lin`, `wait` and so on, or equal dicts. The start is in deg, in
 /// rad, or a frame. Tools, bases, frames and the other arguments are as in program files. Raises
-/// `ProgramError` with line, column and motion; lines refer to `to_json()`.
+/// `ProgramError`, which names the motion and the argument.
 ///
 /// >>> import iiwasim as iw
 /// >>> iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
@@ -34,6 +30,8 @@ use crate::{
 pub(crate) struct Program {
     /// The program with its text, as read or as serialised.
     pub(crate) source: Arc<ProgramSource>,
+    /// Origin of the text, for errors.
+    pub(crate) origin: TextOrigin,
     /// The robot that the program names, if any.
     robot: Option<Arc<Model>>,
 }
@@ -41,7 +39,8 @@ pub(crate) struct Program {
 impl Program {
     /// A program from its parsed form; its text is serialised from it.
     pub(crate) fn of(py: Python<'_>, program: Motions, robot: Option<Model>) -> PyResult<Self> {
-        Self::with_named_robot(py, ProgramSource::from(program), robot.map(Arc::new))
+        let source = ProgramSource::from(program);
+        Self::with_named_robot(py, source, robot.map(Arc::new), TextOrigin::Arguments)
     }
 
     /// A program for `robot`, or for the robot that it names: a built-in model, or the path of a
@@ -50,6 +49,7 @@ impl Program {
         py: Python<'_>,
         source: ProgramSource,
         robot: Option<Arc<Model>>,
+        origin: TextOrigin,
     ) -> PyResult<Self> {
         let robot = match (&source.program.robot, robot) {
             (Some(name), None) => {
@@ -57,7 +57,7 @@ impl Program {
             }
             (_, robot) => robot,
         };
-        Ok(Self { source: Arc::new(source), robot })
+        Ok(Self { source: Arc::new(source), origin, robot })
     }
 
     /// The program of a plan, which was read from `text` unless its limits were changed.
@@ -65,19 +65,21 @@ impl Program {
         source: &Arc<ProgramSource>,
         parsed: &Arc<Motions>,
         robot: &Model,
+        origin: TextOrigin,
     ) -> Self {
-        let source = if source.program == *parsed {
-            Arc::clone(source)
+        let (source, origin) = if source.program == *parsed {
+            (Arc::clone(source), origin)
         } else {
-            Arc::new(ProgramSource::from((**parsed).clone()))
+            (Arc::new(ProgramSource::from((**parsed).clone())), TextOrigin::Arguments)
         };
-        let program = Self { source, robot: Some(Arc::new(robot.clone())) };
+        let program = Self { source, origin, robot: Some(Arc::new(robot.clone())) };
         if program.names_its_robot() {
             return program;
         }
         let mut parsed = (**parsed).clone();
         parsed.robot = Some(program.model().name().to_owned());
-        Self { source: Arc::new(parsed.into()), robot: program.robot }
+        let source = Arc::new(parsed.into());
+        Self { source, origin: TextOrigin::Arguments, robot: program.robot }
     }
 
     pub(crate) fn parsed(&self) -> &Motions {
@@ -95,9 +97,20 @@ impl Program {
         named.is_some_and(|named| is_same(&self.parsed().with_flange(named), &self.model()))
     }
 
-    fn read(py: Python<'_>, text: &str, robot: Option<Arc<Model>>) -> PyResult<Self> {
-        let source = ProgramSource::from_json(text).map_err(|error| plan_error(py, &error))?;
-        Self::with_named_robot(py, source, robot)
+    fn read(
+        py: Python<'_>,
+        text: &str,
+        robot: Option<Arc<Model>>,
+        origin: TextOrigin,
+    ) -> PyResult<Self> {
+        let source = ProgramSource::from_json(text)
+            .map_err(|error| plan_error_in(py, &error, text, origin))?;
+        Self::with_named_robot(py, source, robot, origin)
+    }
+
+    /// The dicts under a key of the program; empty without the key.
+    fn dicts<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        object(py, self.text())?.call_method1("get", (key, PyDict::new(py)))
     }
 
     /// The robot of the program.
@@ -110,27 +123,18 @@ impl Program {
     fn with(&self, py: Python<'_>, key: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
         let program = object(py, self.text())?;
         program.set_item(key, value)?;
-        Self::read(py, &json_of_program(py, program.cast()?)?, self.robot.clone())
+        let text = json_of_program(py, program.cast()?)?;
+        Self::read(py, &text, self.robot.clone(), TextOrigin::Arguments)
     }
-}
-
-/// Writes a file atomically.
-fn write(path: &Path, text: &str) -> PyResult<()> {
-    let write = || {
-        let output = Output::new(path)?;
-        output.write(text.as_bytes())?;
-        output.complete()
-    };
-    write().map_err(|error| output_error(&error))
 }
 
 #[pymethods]
 impl Program {
     #[new]
     #[pyo3(signature = (
-        motions, *, start_deg = None, start_rad = None, start_frame = None, robot = None, tools = None, bases = None,
-        frames = None, tool = None, base = None, mount = None, mode = None, limit_torque_percent = None,
-        override_percent = None
+        motions, *, start_deg = None, start_rad = None, start_frame = None, robot = None,
+        tools = None, bases = None, frames = None, tool = None, base = None, mount = None,
+        mode = None, limit_torque_percent = None, override_percent = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
     fn new<'py>(
@@ -201,18 +205,19 @@ impl Program {
         }
         let motions = py.import("builtins")?.call_method1("list", (motions,))?;
         program.set_item("motions", motions)?;
-        Self::read(py, &json_of_program(py, &program)?, model)
+        Self::read(py, &json_of_program(py, &program)?, model, TextOrigin::Arguments)
     }
 
     /// Reads a program from its text. Raises `ProgramError` with line, column and motion.
     ///
     /// >>> import iiwasim as iw
-    /// >>> text = '{"version": 1, "start": {"joints_deg": [0, 0, 0, 0, 0, 0, 0]}, "motions": [{"type": "wait", "seconds": 1}]}'
+    /// >>> text = '''{"version": 1, "start": {"joints_deg": [0, 0, 0, 0, 0, 0, 0]},
+    /// ...     "motions": [{"type": "wait", "seconds": 1}]}'''
     /// >>> len(iw.Program.from_json(text))
     /// 1
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
-        Self::read(py, text, None)
+        Self::read(py, text, None, TextOrigin::Given)
     }
 
     /// Reads a program from a file, with the robot profile and the frames that the file names.
@@ -224,11 +229,11 @@ impl Program {
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let text = read_text(py, &path, "ProgramError")?;
         let raise = |error| plan_error(py, &error);
-        let source = ProgramSource::beside(&path, text.trim_start_matches('\u{feff}'));
+        let source = ProgramSource::beside(&path, &text);
         let source = source.map_err(raise)?;
         let robot = source.named_robot().map_err(raise)?.map(Arc::new);
         // Places in later errors refer to `to_json()`.
-        Self::read(py, source.text.complete(), robot)
+        Self::read(py, source.text.complete(), robot, TextOrigin::Given)
     }
 
     /// The program text, which `from_json` and `iiwasim plan` read. It has a custom robot by its
@@ -299,7 +304,8 @@ impl Program {
         self.with(py, "motions", &motions)
     }
 
-    /// The motions, as dicts; changes of the dicts do not change the program.
+    /// The motions, as dicts; changes of the dicts do not change the program. A repeat block is one
+    /// dict, while `len` of the program counts the motions of all rounds.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.Program([iw.wait(1)], start_deg=[0] * 7).motions
@@ -307,6 +313,57 @@ impl Program {
     #[getter]
     fn motions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         object(py, self.text())?.get_item("motions")
+    }
+
+    /// The frames by name, as dicts; changes of the dicts do not change the program. `iw.pose`
+    /// converts a frame to a pose (4, 4).
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> sorted(iw.Program.load('fixtures/pick-and-place.json').frames)
+    /// ['pick', 'place', 'via']
+    #[getter]
+    fn frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.dicts(py, "frames")
+    }
+
+    /// The tools by name, as dicts; changes of the dicts do not change the program.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Program.load('fixtures/pick-and-place.json').tools['gripper']['tcp']
+    /// {'z_mm': 120}
+    #[getter]
+    fn tools<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.dicts(py, "tools")
+    }
+
+    /// The bases by name, as dicts; changes of the dicts do not change the program.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> list(iw.Program.load('fixtures/pick-and-place.json').bases)
+    /// ['table']
+    #[getter]
+    fn bases<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.dicts(py, "bases")
+    }
+
+    /// Name of the tool in use by default; `None` is the bare flange.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Program.load('fixtures/pick-and-place.json').tool
+    /// 'gripper'
+    #[getter]
+    fn tool(&self) -> Option<&str> {
+        self.parsed().workcell.tool.as_deref()
+    }
+
+    /// Name of the base in use by default; `None` is the robot base.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> iw.Program([iw.wait(1)], start_deg=[0] * 7).base is None
+    /// True
+    #[getter]
+    fn base(&self) -> Option<&str> {
+        self.parsed().workcell.base.as_deref()
     }
 
     /// The robot of the program.
@@ -330,7 +387,7 @@ impl Program {
         let start = self.parsed().start_rad(&self.model());
         let start = start.map_err(|fault| {
             let error = Error::plan(fault.into(), &self.parsed().sources, self.text());
-            plan_error(py, &error)
+            plan_error_in(py, &error, self.text(), self.origin)
         })?;
         array(py, vec![start], &[7], true)
     }
@@ -354,15 +411,17 @@ impl Program {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let program = slf.get();
-        let parts = (program.text(), program.robot.as_deref().map(restorable));
+        let is_given = program.origin == TextOrigin::Given;
+        let parts = (program.text(), program.robot.as_deref().map(restorable), is_given);
         Ok((slf.get_type().getattr("_restore")?, parts.into_pyobject(slf.py())?))
     }
 
     #[staticmethod]
-    #[pyo3(signature = (text, robot, /))]
-    fn _restore(py: Python<'_>, text: &str, robot: Option<&str>) -> PyResult<Self> {
+    #[pyo3(signature = (text, robot, is_given = true, /))]
+    fn _restore(py: Python<'_>, text: &str, robot: Option<&str>, is_given: bool) -> PyResult<Self> {
         let model = robot.map(|text| restored(py, text)).transpose()?;
-        Self::read(py, text, model.map(Arc::new))
+        let origin = if is_given { TextOrigin::Given } else { TextOrigin::Arguments };
+        Self::read(py, text, model.map(Arc::new), origin)
     }
 
     fn __repr__(&self) -> String {

@@ -1,21 +1,22 @@
 //! Recordings.
 
 use std::{
-    fs::File,
-    io, mem,
+    io::{Cursor, Read},
+    mem,
     path::{Path, PathBuf},
     sync::Arc,
 };
 
+use iiwa_files::InputFile;
 use iiwa_kin::Joints;
 use iiwa_log::{JointLog, JointLogError};
-use numpy::{AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLike1, PyArrayLike2};
+use numpy::{Ix1, PyArray1, PyArrayDyn, PyArrayLike1, PyArrayLike2};
 use pyo3::{exceptions::PyValueError, prelude::*, sync::PyOnceLock};
 
 use crate::{
     Pickled,
-    arrays::{JointsLike, Rows, joint_array, shared},
-    errors::{exception, os_error},
+    arrays::{JointsLike, RealArray, Rows, joint_array, shared},
+    errors::{exception, os_error, read_input},
     options::log_options,
     program::Program,
 };
@@ -42,12 +43,13 @@ impl Recording {
     }
 }
 
-/// Opens a file; an error for a folder.
-pub(crate) fn open(path: &Path) -> PyResult<File> {
-    let opened = File::open(path).and_then(|file| {
-        if path.is_dir() { Err(io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
-    });
-    opened.map_err(|error| os_error(path, &error))
+/// Opens a file. A pipe is read to its end, until which Ctrl-C can end the wait.
+fn open(py: Python<'_>, path: &Path) -> PyResult<Box<dyn Read + Send>> {
+    let input = InputFile::open(path).map_err(|error| os_error(path, &error))?;
+    if input.is_pipe() {
+        return Ok(Box::new(Cursor::new(read_input(py, path, input)?)));
+    }
+    Ok(Box::new(input))
 }
 
 /// A `RecordingError` for an invalid recording.
@@ -61,7 +63,7 @@ impl Recording {
     #[pyo3(signature = (t, q, *, cycle_time_s = None, program = None))]
     fn new<'py>(
         py: Python<'py>,
-        t: PyArrayLike1<'py, f64, AllowTypeChange>,
+        t: RealArray<'py, Ix1>,
         q: JointsLike<'py>,
         cycle_time_s: Option<f64>,
         program: Option<&Bound<'py, Program>>,
@@ -86,7 +88,8 @@ impl Recording {
             let robot = program.model();
             log.program = Some(program.text().to_owned());
             log.robot = Some(robot.name().to_owned());
-            log.profile = Some(robot.to_full_profile());
+            // The differences from a built-in model, so that its assumptions are kept.
+            log.profile = Some(robot.to_profile());
         }
         log.check_rate().map_err(|error| recording_error(py, "the recording", &error))?;
         Ok(Self::of(log))
@@ -108,7 +111,7 @@ impl Recording {
     fn load(py: Python<'_>, path: PathBuf, unit: Option<&str>, positions: &str) -> PyResult<Self> {
         let options = log_options(unit, positions)?;
         let name = path.display().to_string();
-        let file = open(&path)?;
+        let file = open(py, &path)?;
         let log = py.detach(|| {
             JointLog::read_with(file, options).and_then(|log| log.check_rate().map(|()| log))
         });

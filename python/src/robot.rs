@@ -2,6 +2,7 @@
 
 use std::{path::Path, sync::Arc};
 
+use iiwa_files::Output;
 use iiwa_kin::{Joints, Pose, Robot as Model};
 use numpy::PyArrayDyn;
 use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
@@ -9,8 +10,8 @@ use pyo3::{exceptions::PyValueError, prelude::*, types::PyDict};
 use crate::{
     Pickled,
     arrays::{JointsLike, Rows, array, room},
-    errors::{profile_error, read_text},
-    frames::{self, Workplace},
+    errors::{output_error, profile_error, read_text},
+    frames::{self, PlaceArgument, Workplace, matrix},
     program::Program,
 };
 
@@ -27,7 +28,7 @@ const BLOCK: usize = 32;
 /// >>> robot = iw.Robot()
 /// >>> robot
 /// <iiwasim.Robot lbr_iiwa_7_r800>
-/// >>> robot.tcp([0, 0.5, 0, -1.0, 0, 0.7, 0]).round(4).tolist()
+/// >>> robot.flange([0, 0.5, 0, -1.0, 0, 0.7, 0]).round(4).tolist()
 /// [0.7137, 0.0, 0.6299]
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct Robot {
@@ -49,23 +50,46 @@ pub(crate) fn find(py: Python<'_>, name: &Path) -> PyResult<Model> {
     of_profile(py, &read_text(py, name, "ProfileError")?)
 }
 
-/// The name of a built-in model, or a profile, as input of [`restored`].
+/// The name of a built-in model, or a profile with the assumptions, as input of [`restored`].
 pub(crate) fn restorable(model: &Model) -> String {
     match Model::built_in(model.name()) {
         Some(built_in) if built_in == *model => model.name().to_owned(),
-        _ => model.to_full_profile(),
+        _ => {
+            let assumptions: Vec<_> =
+                model.assumptions().iter().map(|it| (&it.quantity, &it.basis)).collect();
+            // Lists of texts can always be serialised.
+            serde_json::to_string(&(model.to_full_profile(), assumptions)).unwrap_or_default()
+        }
     }
+}
+
+/// Writes a file atomically.
+pub(crate) fn write(path: &Path, text: &str) -> PyResult<()> {
+    let write = || {
+        let output = Output::new(path)?;
+        output.write(text.as_bytes())?;
+        output.complete()
+    };
+    write().map_err(|error| output_error(&error))
 }
 
 /// True if two models move in the same way: a profile does not say which of its numbers are
 /// assumed.
 pub(crate) fn is_same(one: &Model, other: &Model) -> bool {
-    one == other || (one.name() == other.name() && restorable(one) == restorable(other))
+    one == other || one.to_full_profile() == other.to_full_profile()
 }
 
 /// The model of a text from [`restorable`].
 pub(crate) fn restored(py: Python<'_>, text: &str) -> PyResult<Model> {
-    Model::built_in(text).map_or_else(|| of_profile(py, text), Ok)
+    if let Some(model) = Model::built_in(text) {
+        return Ok(model);
+    }
+    let (profile, assumptions): (String, Vec<(String, String)>) =
+        serde_json::from_str(text).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let model = of_profile(py, &profile)?;
+    let assume =
+        |model: Model, (quantity, basis): (String, String)| model.with_assumption(quantity, basis);
+    Ok(assumptions.into_iter().fold(model, assume))
 }
 
 fn of_profile(py: Python<'_>, text: &str) -> PyResult<Model> {
@@ -79,8 +103,24 @@ impl Robot {
         Self { model: Arc::new(model) }
     }
 
-    /// Passes the flange poses at `q` to `take`, block by block, so that joints are checked while
-    /// they are in the cache.
+    /// Passes the poses at `q` of the TCP in the base of `place` to `take`, block by block, so that
+    /// joints are checked while they are in the cache.
+    fn tcp_poses(
+        &self,
+        q: &Rows<'_>,
+        place: &Workplace<'_>,
+        mut take: impl FnMut(&[Pose]),
+    ) -> PyResult<()> {
+        if place.is_flange() {
+            return self.poses(q, take);
+        }
+        self.poses(q, |poses| {
+            let poses: Vec<_> = poses.iter().map(|pose| place.tcp_pose(pose)).collect();
+            take(&poses);
+        })
+    }
+
+    /// Passes the flange poses at `q` to `take`, block by block.
     fn poses(&self, q: &Rows<'_>, mut take: impl FnMut(&[Pose])) -> PyResult<()> {
         let count = q.joints.len();
         let mut poses = vec![Pose::IDENTITY; BLOCK.min(count)];
@@ -202,13 +242,14 @@ impl Robot {
         self.model.assumptions().iter().map(text).collect()
     }
 
-    /// Positions of the flange centre at `q`, (7,) or (n, 7) in rad: (3,) or (n, 3), in m.
+    /// Positions of the flange centre at `q`, (7,) or (n, 7) in rad: (3,) or (n, 3), in m. `fk`
+    /// and `pose` also compute the TCP of a tool.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
-    /// >>> robot.tcp([[0.0] * 7] * 1000).shape
+    /// >>> robot.flange([[0.0] * 7] * 1000).shape
     /// (1000, 3)
-    fn tcp<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<NumberArray<'py>> {
+    fn flange<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<NumberArray<'py>> {
         let rows = Rows::unchecked("q", &q)?;
         let mut positions = room(rows.joints.len())?;
         py.detach(|| {
@@ -217,24 +258,36 @@ impl Robot {
         array(py, positions, &[3], rows.is_single)
     }
 
-    /// Flange poses at `q`, (7,) or (n, 7) in rad: positions (3,) or (n, 3), in m, and rotation
+    /// TCP poses at `q`, (7,) or (n, 7) in rad: positions (3,) or (n, 3), in m, and rotation
     /// matrices (3, 3) or (n, 3, 3).
+    ///
+    /// The TCP is the flange centre, or the TCP of `tool`: the name of a tool of `program`, a frame
+    /// or a pose (4, 4) in the flange frame. `program` has its own tool and base by default. `base`
+    /// is the name of a base, or a frame or a pose, in the robot base.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
     /// >>> position, rotation = robot.fk([0.0] * 7)
     /// >>> float(position[2].round(3)), rotation.shape
     /// (1.292, (3, 3))
+    /// >>> position, _ = robot.fk([0.0] * 7, tool={'z_mm': 100})
+    /// >>> float(position[2].round(3))
+    /// 1.392
+    #[pyo3(signature = (q, *, program = None, tool = None, base = None))]
     fn fk<'py>(
         &self,
         py: Python<'py>,
         q: JointsLike<'py>,
+        program: Option<&Bound<'py, Program>>,
+        tool: Option<PlaceArgument<'py>>,
+        base: Option<PlaceArgument<'py>>,
     ) -> PyResult<(NumberArray<'py>, NumberArray<'py>)> {
+        let place = Workplace::new(py, &self.model, program.map(Bound::get), tool, base)?;
         let rows = Rows::unchecked("q", &q)?;
         let count = rows.joints.len();
         let (mut positions, mut rotations) = (room(count)?, room::<[f64; 9]>(count)?);
         py.detach(|| {
-            self.poses(&rows, |poses| {
+            self.tcp_poses(&rows, &place, |poses| {
                 positions.extend(poses.iter().map(|pose| pose.position_m));
                 rotations.extend(poses.iter().map(|pose| {
                     let [[a, b, c], [d, e, f], [g, h, i]] = pose.rotation;
@@ -246,28 +299,60 @@ impl Robot {
         Ok((positions, array(py, rotations, &[3, 3], rows.is_single)?))
     }
 
-    /// The flange Jacobian at `q`, (7,) or (n, 7) in rad: (6, 7) or (n, 6, 7); three rows of linear
-    /// velocity, in m, and three rows of angular velocity.
+    /// TCP poses at `q`, (7,) or (n, 7) in rad, as homogeneous matrices (4, 4) or (n, 4, 4) with
+    /// positions in m. `program`, `tool` and `base` are as in `fk`.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
-    /// >>> robot.jacobian([0.1] * 7).shape
+    /// >>> robot.pose([0.0] * 7, tool={'z_mm': 100}).round(3).tolist()[2]
+    /// [0.0, 0.0, 1.0, 1.392]
+    #[pyo3(signature = (q, *, program = None, tool = None, base = None))]
+    fn pose<'py>(
+        &self,
+        py: Python<'py>,
+        q: JointsLike<'py>,
+        program: Option<&Bound<'py, Program>>,
+        tool: Option<PlaceArgument<'py>>,
+        base: Option<PlaceArgument<'py>>,
+    ) -> PyResult<NumberArray<'py>> {
+        let place = Workplace::new(py, &self.model, program.map(Bound::get), tool, base)?;
+        let rows = Rows::unchecked("q", &q)?;
+        let mut matrices = room::<[f64; 16]>(rows.joints.len())?;
+        py.detach(|| {
+            self.tcp_poses(&rows, &place, |poses| matrices.extend(poses.iter().map(matrix)))
+        })?;
+        array(py, matrices, &[4, 4], rows.is_single)
+    }
+
+    /// The TCP Jacobian at `q`, (7,) or (n, 7) in rad: (6, 7) or (n, 6, 7); three rows of linear
+    /// velocity, in m, and three rows of angular velocity, along the axes of the base. `program`,
+    /// `tool` and `base` are as in `fk`: without them, the Jacobian is that of the flange.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> robot = iw.Robot()
+    /// >>> robot.jacobian([0.1] * 7, tool={'z_mm': 100}).shape
     /// (6, 7)
-    fn jacobian<'py>(&self, py: Python<'py>, q: JointsLike<'py>) -> PyResult<NumberArray<'py>> {
+    #[pyo3(signature = (q, *, program = None, tool = None, base = None))]
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: JointsLike<'py>,
+        program: Option<&Bound<'py, Program>>,
+        tool: Option<PlaceArgument<'py>>,
+        base: Option<PlaceArgument<'py>>,
+    ) -> PyResult<NumberArray<'py>> {
+        let place = Workplace::new(py, &self.model, program.map(Bound::get), tool, base)?;
         let rows = Rows::new("q", &q)?;
-        let row_by_row = |q: &Joints| -> [f64; 42] {
-            let jacobian = self.model.jacobian(q);
-            std::array::from_fn(|i| jacobian[(i / 7, i % 7)])
-        };
-        let all = py.detach(|| rows.joints.iter().map(row_by_row).collect());
+        let all = py.detach(|| rows.joints.iter().map(|q| place.jacobian(q)).collect());
         array(py, all, &[6, 7], rows.is_single)
     }
 
     /// Joint positions (7,), in rad, with the TCP at `frame`.
     ///
-    /// `frame` is a dict as in programs (`x_mm` to `c_deg`, with `e1_deg` and `status`), or the
-    /// name of a frame of `program`, which also has the tools and bases. E1 (the A3 position) and
-    /// the status may be separate arguments, or taken from nearby joint positions, `near`. Raises
+    /// `frame` is a dict as in programs (`x_mm` to `c_deg`, with `e1_deg` and `status`), a pose
+    /// (4, 4) with its position in m, or the name of a frame of `program`. `program`, `tool` and
+    /// `base` are as in `fk`. E1 (the A3 position) and the status may be separate arguments, or
+    /// taken from nearby joint positions, `near` (7,), in rad within the joint limits. Raises
     /// `UnreachableError` with the reachable ranges of E1.
     ///
     /// >>> import iiwasim as iw
@@ -286,18 +371,19 @@ impl Robot {
         status: Option<i64>,
         near: Option<JointsLike<'py>>,
         program: Option<&Bound<'py, Program>>,
-        tool: Option<String>,
-        base: Option<String>,
+        tool: Option<PlaceArgument<'py>>,
+        base: Option<PlaceArgument<'py>>,
     ) -> PyResult<NumberArray<'py>> {
         let near = near.as_ref().map(|near| Rows::new("near", near)).transpose()?;
         let near = near.as_ref().map(|near| near.single("near")).transpose()?;
-        let place = Workplace::new(&self.model, program.map(Bound::get), tool, base)?;
+        let place = Workplace::new(py, &self.model, program.map(Bound::get), tool, base)?;
         let joints = place.joints(py, frame, e1_deg, status, near)?;
         array(py, vec![joints], &[7], true)
     }
 
     /// The TCP frame at `q` (7,), in rad, as a dict for programs: `x_mm` to `c_deg`, `e1_deg`,
-    /// `status` and `turn`.
+    /// `status` and `turn`. `program`, `tool` and `base` are as in `fk`. `q` has to be within the
+    /// joint limits.
     ///
     /// >>> import iiwasim as iw
     /// >>> robot = iw.Robot()
@@ -309,12 +395,14 @@ impl Robot {
         py: Python<'py>,
         q: JointsLike<'py>,
         program: Option<&Bound<'py, Program>>,
-        tool: Option<String>,
-        base: Option<String>,
+        tool: Option<PlaceArgument<'py>>,
+        base: Option<PlaceArgument<'py>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let rows = Rows::new("q", &q)?;
-        let place = Workplace::new(&self.model, program.map(Bound::get), tool, base)?;
-        place.frame(py, rows.single("q")?)
+        let place = Workplace::new(py, &self.model, program.map(Bound::get), tool, base)?;
+        let joints = rows.single("q")?;
+        frames::check_range("q", &self.model, joints)?;
+        place.frame(py, joints)
     }
 
     /// Joint torques, in Nm, at `q` with the velocities `dq` and the accelerations `ddq`, which are
@@ -381,6 +469,19 @@ impl Robot {
     /// True
     fn profile(&self) -> String {
         self.model.to_full_profile()
+    }
+
+    /// Writes the profile to a file, which `Robot(path)` and `iiwasim plan --robot` read. A profile
+    /// contains all parameters, but not `assumptions`.
+    ///
+    /// >>> import iiwasim as iw, os, tempfile
+    /// >>> with tempfile.TemporaryDirectory() as folder:
+    /// ...     file = os.path.join(folder, 'mine.json')
+    /// ...     iw.Robot().save(file)
+    /// ...     iw.Robot(file) == iw.Robot()
+    /// True
+    fn save(&self, path: std::path::PathBuf) -> PyResult<()> {
+        write(&path, &format!("{}\n", self.model.to_full_profile()))
     }
 
     /// The robot model as URDF.

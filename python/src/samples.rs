@@ -1,12 +1,14 @@
 //! Samples of a plan as arrays.
 
 use iiwa_kin::{Joints, Pose};
-use numpy::{PyArray1, PyArrayDyn};
+use iiwa_traj::{State, Trajectory};
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::{prelude::*, sync::PyOnceLock};
 
 use crate::{
     Pickled,
     arrays::{array, joint_array, room, shared},
+    frames::matrix,
     plan::Plan,
 };
 
@@ -30,6 +32,8 @@ pub(crate) struct Samples {
     motion: Py<PyArray1<u32>>,
     /// Computed on first access.
     tcp: PyOnceLock<Py<PyArrayDyn<f64>>>,
+    pose: PyOnceLock<Py<PyArrayDyn<f64>>>,
+    velocity: PyOnceLock<Py<PyArrayDyn<f64>>>,
     torque: PyOnceLock<Py<PyArrayDyn<f64>>>,
 }
 
@@ -65,9 +69,54 @@ impl Samples {
             ddq: shared(joint_array(py, ddq)?.into_bound(py)),
             motion: shared(PyArray1::from_vec(py, motion)),
             tcp: PyOnceLock::new(),
+            pose: PyOnceLock::new(),
+            velocity: PyOnceLock::new(),
             torque: PyOnceLock::new(),
         })
     }
+}
+
+impl Samples {
+    /// Lengths of three columns of the velocities, from `first` on.
+    fn speeds<'py>(&self, py: Python<'py>, first: usize) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let velocities = self.tcp_velocity(py)?;
+        let velocities = velocities.readonly();
+        let rows = velocities.as_array();
+        let speeds =
+            rows.outer_iter().map(|row| row[first].hypot(row[first + 1]).hypot(row[first + 2]));
+        let speeds = PyArray1::from_vec(py, speeds.collect());
+        Ok(shared(speeds).into_bound(py))
+    }
+}
+
+/// The samples with their TCP poses in the robot base.
+fn tcp_poses(trajectory: &Trajectory, rate_hz: f64) -> Vec<(State, Pose)> {
+    let path = trajectory.path();
+    let states: Vec<_> = trajectory.samples(rate_hz).collect();
+    let joints: Vec<Joints> = states.iter().map(|state| state.q).collect();
+    let mut poses = vec![Pose::IDENTITY; joints.len()];
+    path.robot().flange_pose_batch(&joints, &mut poses);
+    if path.has_tools() {
+        for (state, pose) in states.iter().zip(&mut poses) {
+            *pose = pose.then(path.tcp(state.motion));
+        }
+    }
+    states.into_iter().zip(poses).collect()
+}
+
+/// Linear and angular TCP velocity at `pose`, in the axes of the robot base.
+fn velocity(trajectory: &Trajectory, state: &State, pose: &Pose) -> [f64; 6] {
+    let robot = trajectory.path().robot();
+    let jacobian = robot.jacobian(&state.q);
+    let [vx, vy, vz, wx, wy, wz]: [f64; 6] =
+        std::array::from_fn(|i| (0..7).map(|j| jacobian[(i, j)] * state.dq[j]).sum());
+    if !trajectory.path().has_tools() {
+        return [vx, vy, vz, wx, wy, wz];
+    }
+    let flange_m = robot.flange_pose(&state.q).position_m;
+    let [x, y, z]: [f64; 3] = std::array::from_fn(|i| pose.position_m[i] - flange_m[i]);
+    // The flange velocity, and the cross product of the angular velocity and the lever arm.
+    [vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x, wx, wy, wz]
 }
 
 #[pymethods]
@@ -144,23 +193,77 @@ impl Samples {
         let made = self.tcp.get_or_try_init(py, || {
             let (trajectory, rate_hz) = (self.plan.get().trajectory(), self.rate_hz);
             let positions: Vec<[f64; 3]> = py.detach(|| {
-                let path = trajectory.path();
-                let states: Vec<_> = trajectory.samples(rate_hz).collect();
-                let joints: Vec<Joints> = states.iter().map(|state| state.q).collect();
-                let mut poses = vec![Pose::IDENTITY; joints.len()];
-                path.robot().flange_pose_batch(&joints, &mut poses);
-                let tcp = |(state, pose): (&iiwa_traj::State, &Pose)| {
-                    if path.has_tools() {
-                        pose.then(path.tcp(state.motion)).position_m
-                    } else {
-                        pose.position_m
-                    }
-                };
-                states.iter().zip(&poses).map(tcp).collect()
+                let poses = tcp_poses(trajectory, rate_hz);
+                poses.into_iter().map(|(_, pose)| pose.position_m).collect()
             });
             array(py, positions, &[3], false).map(shared)
         })?;
         Ok(made.bind(py).clone())
+    }
+
+    /// TCP poses (n, 4, 4) in the robot base: rotations and, in m, positions.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.sample(rate_hz=100).tcp_pose.shape
+    /// (121, 4, 4)
+    #[getter]
+    fn tcp_pose<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let made = self.pose.get_or_try_init(py, || {
+            let (trajectory, rate_hz) = (self.plan.get().trajectory(), self.rate_hz);
+            let matrices = py.detach(|| {
+                let poses = tcp_poses(trajectory, rate_hz);
+                poses.iter().map(|(_, pose)| matrix(pose)).collect()
+            });
+            array(py, matrices, &[4, 4], false).map(shared)
+        })?;
+        Ok(made.bind(py).clone())
+    }
+
+    /// TCP velocities (n, 6) in the axes of the robot base: linear, in m/s, and angular, in
+    /// rad/s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> plan.sample(rate_hz=100).tcp_velocity.shape
+    /// (121, 6)
+    #[getter]
+    fn tcp_velocity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let made = self.velocity.get_or_try_init(py, || {
+            let (trajectory, rate_hz) = (self.plan.get().trajectory(), self.rate_hz);
+            let velocities = py.detach(|| {
+                let poses = tcp_poses(trajectory, rate_hz);
+                poses.iter().map(|(state, pose)| velocity(trajectory, state, pose)).collect()
+            });
+            array(py, velocities, &[6], false).map(shared)
+        })?;
+        Ok(made.bind(py).clone())
+    }
+
+    /// TCP speeds (n,), in m/s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> plan = iw.plan(program)
+    /// >>> float(plan.sample(rate_hz=100).tcp_speed[0])
+    /// 0.0
+    #[getter]
+    fn tcp_speed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.speeds(py, 0)
+    }
+
+    /// Angular TCP speeds (n,), in rad/s.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program([iw.ptp(deg=[30] + [0] * 6), iw.wait(0.5)], start_deg=[0] * 7)
+    /// >>> samples = iw.plan(program).sample(rate_hz=100)
+    /// >>> bool(abs(samples.tcp_angular_speed - samples.dq[:, 0]).max() < 1e-12)
+    /// True
+    #[getter]
+    fn tcp_angular_speed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.speeds(py, 3)
     }
 
     /// Joint torques (n, 7), in Nm, with the load at the flange at that time.

@@ -1,8 +1,8 @@
 //! Scenes and clearances.
 
-use std::{collections::BTreeMap, fs, path::PathBuf, sync::Arc};
+use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
-use iiwa_files::beside;
+use iiwa_files::{beside, read_mesh};
 use iiwa_scene::{ArmInScene, Clearance as Distance, PlannedClearance, Scene as Obstacles};
 use pyo3::{
     exceptions::PyValueError,
@@ -64,16 +64,15 @@ impl Scene {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let text = read_text(py, &path, "SceneError")?;
-        let text = text.trim_start_matches('\u{feff}');
         let mut meshes = BTreeMap::new();
         let mesh = |name: &str| {
             let file = beside(&path, name, &["stl", "obj"]).map_err(|error| error.to_string())?;
-            let bytes = fs::read(&file).map_err(|error| error.to_string())?;
+            let bytes = read_mesh(&file)?;
             meshes.insert(name.to_owned(), bytes.clone());
             Ok(bytes)
         };
         let scene =
-            Obstacles::from_json_with(text, mesh).map_err(|error| scene_error(py, &error))?;
+            Obstacles::from_json_with(&text, mesh).map_err(|error| scene_error(py, &error))?;
         Ok(Self { parsed: Arc::new(scene), text: text.into(), meshes })
     }
 
@@ -131,6 +130,7 @@ impl Scene {
 }
 
 /// The minimum distance between the robot and an obstacle or another link, with its place and time.
+/// `link` is 2 to 7, 8 for the tool or 9 for the workpiece.
 ///
 /// >>> import iiwasim as iw
 /// >>> near = iw.Scene.load('fixtures/cage.json').clearance([0.0] * 7)

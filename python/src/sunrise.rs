@@ -97,8 +97,8 @@ impl<'py> FromPyObject<'_, 'py> for InputValue {
 /// 10
 #[pyfunction]
 #[pyo3(signature = (
-    folder, *, application = None, answers = None, inputs = None, data = None, fired = None, times = None,
-    tools = None, robot = None, flange_mm = None, start_deg = None
+    folder, *, application = None, answers = None, inputs = None, data = None, fired = None,
+    times = None, tools = None, robot = None, flange_mm = None, start_deg = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
 pub(crate) fn import_application<'py>(
@@ -118,7 +118,7 @@ pub(crate) fn import_application<'py>(
     let project = open(py, &folder)?;
     let file = folder.join("iiwasim-answers.toml");
     let mut given = if file.is_file() {
-        Answers::from_toml(&std::fs::read_to_string(&file)?)
+        Answers::from_toml(&iiwa_files::read_text(&file)?)
             .map_err(|error| PyValueError::new_err(format!("{}: {error}", file.display())))?
     } else {
         Answers::default()

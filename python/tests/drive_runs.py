@@ -29,6 +29,14 @@ def go(drive: Drive, pose: list[float]) -> None:
     drive.run({"motions": [{"type": "ptp", "joints_deg": pose}]})
 
 
+def rise(to_rad: float, count: int = 101) -> tuple[np.ndarray, np.ndarray]:
+    """A trajectory of joint 1 from zero within 1 s, at rest at both ends."""
+    t = np.linspace(0.0, 1.0, count)
+    q = np.zeros((count, 7))
+    q[:, 0] = to_rad * t**4 * (35 - 84 * t + 70 * t**2 - 20 * t**3)
+    return t, q
+
+
 # A program that takes much longer than any test waits for it.
 SLOW = program([60, 0, 0, -60, 0, 0, 0], velocity_rel=0.03)
 

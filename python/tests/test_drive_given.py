@@ -45,6 +45,18 @@ def test_what_takes_samples_is_callable(drive: Drive, on_sample: Any) -> None:
         drive.run_trajectory([0.0, 0.01], np.zeros((2, 7)), on_sample=on_sample)
 
 
+@pytest.mark.parametrize("is_repeated", [False, True])
+def test_programs_with_signals_are_refused_before_the_robot_moves(
+    drive: Drive, is_repeated: bool
+) -> None:
+    entry: dict[str, Any] = {"type": "set", "io": "Gripper.Close", "value": True}
+    if is_repeated:
+        entry = {"type": "repeat", "count": 2, "motions": [entry]}
+    program = {"start": {"joints_deg": [0] * 7}, "motions": [iw.wait(0), entry]}
+    with pytest.raises(ValueError, match=r"has an input or output \(set 'Gripper.Close'\)"):
+        drive.run(program, move_to_start=True)
+
+
 def test_programs_are_no_files_and_no_lists(drive: Drive) -> None:
     with pytest.raises(
         ValueError,

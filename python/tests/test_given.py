@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import iiwasim as iw
+from iiwasim._arrays import real_array
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -71,8 +72,16 @@ def test_overlaps_are_booleans_of_numpy_too(overlap: bool) -> None:
             TypeError,
             r"acceleration_rel is \{\}; a number, or",
         ),  # type: ignore[arg-type]
-        (lambda: iw.ptp(deg="home"), ValueError, "deg is 'home'; a list of numbers is expected"),  # type: ignore[arg-type]
-        (lambda: iw.ptp(rad=5), TypeError, "rad is 5; a list of numbers is expected"),  # type: ignore[arg-type]
+        (
+            lambda: iw.ptp(deg="home"),  # type: ignore[arg-type]
+            ValueError,
+            "deg is 'home'; a list of numbers is expected",
+        ),
+        (
+            lambda: iw.ptp(rad=5),  # type: ignore[arg-type]
+            TypeError,
+            "rad is 5; a list of numbers is expected",
+        ),
         (
             lambda: iw.load(1, center_mm=[0, None, 0]),
             TypeError,
@@ -92,7 +101,7 @@ def test_numbers_that_are_none_are_named(
     [
         (
             lambda given: iw.lin("a", **given),
-            "lin has no argument 'blend': give blend_cart_mm or blend_ori_deg",
+            "lin has no argument 'blend': give blend_cart_mm, blend_ori_deg or blend_sunrise_rel",
         ),
         (lambda given: iw.lin_rel(**given), "lin_rel has no argument 'blend': give blend_cart_mm"),
         (
@@ -107,7 +116,10 @@ def test_numbers_that_are_none_are_named(
             lambda _: iw.lin_rel(offset={"z_mm": 1}),
             "lin_rel has no argument 'offset': give x_mm, y_mm",
         ),
-        (lambda _: iw.lin_rel(**{"in": "tcp"}), "lin_rel has no argument 'in': give within"),  # type: ignore[arg-type]
+        (
+            lambda _: iw.lin_rel(**{"in": "tcp"}),  # type: ignore[arg-type]
+            "lin_rel has no argument 'in': give within",
+        ),
         (
             lambda _: iw.lin("a", type="ptp"),
             "lin has no argument 'type': its motions have their type",
@@ -125,6 +137,53 @@ def test_unknown_keys_are_told_by_the_program() -> None:
     frame = iw.Robot().frame(np.radians([0, 30, 0, -60, 0, 90, 0]))
     with pytest.raises(iw.ProgramError, match="motion 1: unknown key `kind`"):
         iw.Program([iw.lin(frame, kind="ptp")], start_deg=HOME)
+
+
+MASKED = np.ma.masked_array(np.zeros(7), mask=[True] + [False] * 6)
+COMPLEX = np.zeros(7) + 1j
+
+
+@pytest.mark.parametrize("values", [MASKED, COMPLEX], ids=["masked", "complex"])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda q: iw.Robot().flange(q),
+        lambda q: iw.Robot().flange([q, np.zeros(7)]),
+        lambda q: real_array("q", [([*q[:1], *HOME[1:]],)]),
+        lambda q: iw.Robot().torques(np.zeros(7), q),
+        lambda q: iw.Recording(q, np.zeros((7, 7))),
+        lambda q: iw.Program([], start_rad=q),
+        lambda q: iw.ptp(rad=q),
+        lambda q: iw.ptp(rad=HOME, velocity_rel=q),
+    ],
+    ids=["q", "rows", "nested", "dq", "t", "start", "ptp", "share"],
+)
+def test_masked_and_complex_numbers_are_refused(make: Callable[[Any], object], values: Any) -> None:
+    with pytest.raises(TypeError, match=r"masked|complex|expected"):
+        make(values)
+
+
+def test_a_mask_without_masked_values_is_accepted() -> None:
+    joints = np.ma.masked_array(np.zeros(7), mask=False)
+    assert np.array_equal(iw.Robot().flange(joints), iw.Robot().flange(np.zeros(7)))
+    assert iw.ptp(rad=joints) == iw.ptp(rad=HOME)
+
+
+def test_a_byte_order_mark_is_skipped(tmp_path: Path) -> None:
+    robot = iw.Robot.from_profile(iw.Robot().profile())
+    profile = "\ufeff" + iw.Robot().profile()
+    assert iw.Robot.from_profile(profile) == robot
+    (tmp_path / "robot.json").write_text(profile, encoding="utf-8")
+    assert iw.Robot(str(tmp_path / "robot.json")) == robot
+    keys = '"robot": "robot.json", "start": {"joints_deg": [0, 0, 0, 0, 0, 0, 0]}'
+    program = f'\ufeff{{"version": 1, {keys}, "motions": [{{"type": "wait", "seconds": 1}}]}}'
+    (tmp_path / "program.json").write_text(program, encoding="utf-8")
+    assert len(iw.Program.load(tmp_path / "program.json")) == 1
+    assert len(iw.Program.from_json(program.replace('"robot": "robot.json", ', ""))) == 1
+    assert iw.Scene.from_json('\ufeff{"version": 1, "obstacles": []}').obstacles == []
+    (tmp_path / "program.json").write_text(program, encoding="utf-16")
+    with pytest.raises(iw.ProgramError, match="UTF-16: save it as UTF-8"):
+        iw.Program.load(tmp_path / "program.json")
 
 
 FUNCTIONS = [name for name in iw.__all__ if inspect.isfunction(getattr(iw, name))]

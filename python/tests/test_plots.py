@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 
 import iiwasim as iw
@@ -46,7 +47,7 @@ def test_nothing_is_covered(name: str, pyplot: ModuleType) -> None:
 
 def test_what_is_drawn(pyplot: ModuleType) -> None:
     plan = iw.plan(iw.Program(PROGRAMS["wide"], start_deg=HOME))
-    side, top, speeds = plan.plot(rate_hz=100).axes
+    side, top, speeds, speed, rotation = plan.plot(rate_hz=100).axes
     samples = plan.sample(rate_hz=100)
     assert side.lines[0].get_ydata() == pytest.approx(1e3 * samples.tcp[:, 2])
     assert top.lines[0].get_ydata() == pytest.approx(1e3 * samples.tcp[:, 1])
@@ -55,6 +56,34 @@ def test_what_is_drawn(pyplot: ModuleType) -> None:
     assert tops == pytest.approx([100, 0, 0, 0, 0, 0, 0], abs=0.1)
     begins = [line.get_xdata()[0] for line in speeds.lines[7:]]
     assert begins == pytest.approx([motion.start_s for motion in plan.motions[1:]])
+    assert speed.lines[0].get_ydata() == pytest.approx(1e3 * samples.tcp_speed)
+    # A1 turns the TCP about the vertical axis, by 120 degrees and back.
+    turned = np.degrees(samples.q[:, 0])
+    assert rotation.lines[0].get_ydata() == pytest.approx(turned, abs=1e-6)
+
+
+def test_comparisons(pyplot: ModuleType, tmp_path: Path) -> None:
+    plan = iw.plan(iw.Program(PROGRAMS["wide"], start_deg=HOME))
+    samples = plan.sample(rate_hz=200)
+    shift = np.array([0, 1e-3, 0, 0, 0, 0, 0])
+    comparison = iw.compare(plan, iw.Recording(1.01 * samples.t, samples.q + shift))
+    figure = comparison.plot()
+    figure.draw_without_rendering()
+    boxes = [axes.get_tightbbox() for axes in figure.axes] + [figure.texts[0].get_window_extent()]
+    for one, other in combinations(boxes, 2):
+        assert not one.overlaps(other)
+    side, _, tcp, joints = figure.axes
+    planned, measured = side.lines[0], side.lines[2]
+    assert measured.get_label() == "measured" and planned.get_label() == "planned"
+    # A2 lowers the flange, at the distance of the flange from its axis.
+    fall = planned.get_ydata() - measured.get_ydata()
+    assert fall == pytest.approx(np.full(len(fall), 0.6), abs=0.02)
+    assert joints.lines[0].get_ydata().max() == pytest.approx(1, abs=1e-3)
+    assert tcp.lines[0].get_ydata().max() == pytest.approx(comparison.max_deviation_mm, abs=1e-9)
+    # The plan of a file has the same plot.
+    plan.write(tmp_path / "plan.mcap")
+    again = iw.compare(tmp_path / "plan.mcap", iw.Recording(1.01 * samples.t, samples.q + shift))
+    assert len(again.plot().axes) == 4
 
 
 @pytest.mark.parametrize("backend", ["agg", "svg"])

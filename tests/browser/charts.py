@@ -21,13 +21,15 @@ WATCH = """(() => {
         const wide = this.measureText(text).width;
         const left = x - wide * { left: 0, center: 0.5, right: 1 }[this.textAlign];
         const top = { top: y, middle: y - 5, bottom: y - 10 }[this.textBaseline];
-        texts.push({ text, left, right: left + wide, top, wide: this.canvas.clientWidth, high: this.canvas.clientHeight });
+        const { clientWidth, clientHeight } = this.canvas;
+        texts.push({ text, left, right: left + wide, top, wide: clientWidth, high: clientHeight });
         fillText.call(this, text, x, y);
     };
     for (const name of ["moveTo", "lineTo"]) {
         const draw = own[name];
         own[name] = function (x, y) {
-            if (this.canvas.parentElement.parentElement.id === "deviations") lines.push([name, x, y]);
+            const { id } = this.canvas.parentElement.parentElement;
+            if (id === "deviations") lines.push([name, x, y]);
             draw.call(this, x, y);
         };
     }

@@ -55,6 +55,23 @@ WAITING = {
         {"type": "ptp", "joints_deg": [0, 20, 0, -70, 0, 90, 0]},
     ],
 }
+# Names, comments and groups with characters that HTML and JavaScript would interpret.
+NAMED = {
+    "version": 1,
+    "start": {"joints_deg": [0, 20, 0, -70, 0, 90, 0]},
+    "motions": [
+        {
+            "type": "ptp",
+            "joints_deg": [40, 20, 0, -70, 0, 90, 0],
+            "name": "<b>first</b> </script>",
+            "comment": "one line\n<i>another</i> line",
+            "group": "pick & place",
+        },
+        {"type": "wait", "seconds": 0.5},
+        {"type": "ptp", "joints_deg": [0, 20, 0, -70, 0, 90, 0], "group": "pick & place"},
+    ],
+}
+TURNED = {"a_deg": 10, "b_deg": 180, "c_deg": 0, "e1_deg": 0}
 # An angled tool, and a linear motion of its TCP.
 WITH_TOOL = {
     "version": 1,
@@ -65,6 +82,27 @@ WITH_TOOL = {
         {"type": "ptp", "joints_deg": [30, 40, 0, -70, 0, 50, 40]},
         {"type": "lin_rel", "offset": {"z_mm": -100}},
         {"type": "lin_rel", "offset": {"x_mm": -50, "y_mm": 80}},
+    ],
+}
+
+# A spline of four segments.
+SPLINE = {
+    "version": 1,
+    "start": {"joints_deg": [0, 30, 0, -60, 0, 90, 0]},
+    "motions": [
+        {"type": "ptp", "joints_deg": [10, 40, 0, -60, 0, 80, 0]},
+        {
+            "type": "spline",
+            "segments": [
+                {"type": kind, "frame": dict(zip(("x_mm", "y_mm", "z_mm"), xyz)) | TURNED}
+                for kind, *xyz in (
+                    ("spl", 600, 100, 450),
+                    ("spl", 600, 150, 480),
+                    ("lin", 550, 200, 450),
+                    ("spl", 500, 100, 450),
+                )
+            ],
+        },
     ],
 }
 
@@ -109,7 +147,8 @@ class Pages:
         # Many motions with motion-specific limits, some of them equal; one motion.
         (self.folder / "many.json").write_text(json.dumps(many_motions(300)))
         (self.folder / "one.json").write_text(json.dumps(many_motions(1)))
-        for name in ("many", "one"):
+        (self.folder / "named.json").write_text(json.dumps(NAMED))
+        for name in ("many", "one", "named"):
             self.iiwasim("plan", f"{name}.json")
             self.iiwasim("report", f"{name}.mcap")
         # Obstacles, and a tool with all kinds of shapes.
@@ -142,9 +181,10 @@ class Pages:
         self.iiwasim("report", "waiting.mcap", "-o", "long-wait.html")
 
     def make_tool(self) -> None:
-        (self.folder / "tool.json").write_text(json.dumps(WITH_TOOL))
-        self.iiwasim("plan", "tool.json")
-        self.iiwasim("report", "tool.mcap")
+        for name, program in (("tool", WITH_TOOL), ("spline", SPLINE)):
+            (self.folder / f"{name}.json").write_text(json.dumps(program))
+            self.iiwasim("plan", f"{name}.json")
+            self.iiwasim("report", f"{name}.mcap")
 
     def csv(
         self, plan: str, name: str, noise_rad: float, gap: tuple[float, float] = (0, 0)

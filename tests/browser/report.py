@@ -26,17 +26,9 @@ from charts import CHART_CHECKS
 from checks import run_checks
 from chromium import Browser
 from pages import CHARTS, CLOCK, FIXTURES, SCENE, Pages, desk, seek
+from playback import PLAYBACK_CHECKS
 from scene import TOOL
 from view import VIEW_CHECKS, meshes_of_a_urdf_are_drawn
-
-
-def speed(browser: Browser, factor: float) -> None:
-    script = f"""(() => {{
-        const speed = document.getElementById("speed");
-        speed.value = "{factor:g}";
-        speed.dispatchEvent(new Event("change", {{ bubbles: true }}));
-    }})()"""
-    browser.run(script)
 
 
 def opens_and_is_drawn(browser: Browser, pages: Pages) -> str:
@@ -98,94 +90,65 @@ def flange_is_where_the_robot_model_has_it(browser: Browser, pages: Pages) -> No
         assert off < 1e-6, f"{off} m at {t} s"
         seek(browser, t)
         shown = browser.run(
-            "[...document.querySelectorAll('#flange td')].slice(1).map(it => +it.textContent)"
+            "[...document.querySelectorAll('#pose td:nth-child(2)')].slice(0, 3).map(it => "
+            "+it.textContent)"
         )
         assert math.dist([1e3 * v for v in told["position_m"]], shown) < 0.1, shown
 
 
-def buttons_do_what_they_say(browser: Browser, pages: Pages) -> None:
+def tcp_pose_is_beside_the_flange(browser: Browser, pages: Pages) -> None:
     desk(browser)
-    browser.open(pages.page("ten-motions"))
-    assert browser.run(CLOCK) == 0
-    before = browser.run(SCENE)
-    # Slowly, so that a busy machine does not reach the end before the pause.
-    speed(browser, 0.25)
-    browser.click("#play")
-    assert browser.run("document.getElementById('play').textContent") == "Pause"
-    browser.until(f"{CLOCK} > 0.3")
-    browser.click("#play")
-    paused = browser.run(CLOCK)
-    assert browser.run("document.getElementById('play').textContent") == "Play"
-    time.sleep(0.3)
-    browser.frames()
-    assert browser.run(CLOCK) == paused, "the time goes on after a pause"
-    assert browser.run(SCENE) != before
-
-    def pace(factor: float) -> float:
-        """Page time per second of real time."""
-        seek(browser, 0)
-        speed(browser, factor)
-        # Frames may be rare. Each advances the page by the time since the last one, at most 1 s.
-        script = """(async () => {
-            document.getElementById("play").click();
-            const frame = () => new Promise(done => requestAnimationFrame(done));
-            for (let i = 0; i < 3; i++) await frame();
-            let [before, t, sum_s] = [await frame(), state.time, 0];
-            while (sum_s < 1.5) {
-                const now = await frame();
-                sum_s += Math.min((now - before) / 1000, 1);
-                before = now;
-            }
-            const passed = state.time - t;
-            document.getElementById("play").click();
-            return passed / sum_s;
-        })()"""
-        return float(browser.run(script))
-
-    for factor in (0.25, 1, 2):
-        found = pace(factor)
-        assert 0.6 * factor < found < 1.4 * factor, f"{found} at a speed of {factor}"
-
-    # To the end, and again from the start.
-    speed(browser, 10)
-    seek(browser, 7.0)
-    browser.click("#play")
-    browser.until("!state.playing")
-    browser.until(f"Math.abs({CLOCK} - report.arms[0].end_s) < 2e-3")
-    speed(browser, 0.25)
-    browser.click("#play")
-    browser.until(f"{CLOCK} < 5")
-    speed(browser, 10)
-    browser.until("!state.playing")
-
-    box = browser.box("#scrub")
-    browser.press(box["x"] + 0.75 * box["width"], box["y"] + box["height"] / 2)
-    share = browser.run("state.time / report.arms[0].end_s")
-    assert 0.7 < share < 0.8, share
+    browser.open(pages.page("tool"))
+    for t in (0.0, 0.777):
+        joints = browser.run(f"jointsAt(report.arms[0], {t})")
+        text = ",".join(repr(q) for q in joints)
+        seek(browser, t)
+        head = browser.run(
+            "[...document.querySelectorAll('#pose-head th')].map(it => it.textContent)"
+        )
+        assert head == ["", "flange", "TCP"], head
+        for column, tool in ((2, "flange"), (3, "gripper")):
+            told = pages.iiwasim(
+                "fk", f"--joints-rad={text}", "--program=tool.json", f"--tool={tool}", "--json"
+            )
+            frame = json.loads(told)["frame"]
+            shown = browser.run(
+                f"[...document.querySelectorAll('#pose td:nth-child({column})')].map(it => "
+                "+it.textContent)"
+            )
+            for k, (key, least) in enumerate(
+                (f"{axis}_{unit}", least)
+                for axes, unit, least in (("xyz", "mm", 0.051), ("abc", "deg", 0.0051))
+                for axis in axes
+            ):
+                # 180 deg and -180 deg are the same angle.
+                off = abs(shown[k] - frame[key])
+                assert min(off, abs(off - 360)) < least, (tool, key, shown, frame)
 
 
-def timeline_and_table_are_linked(browser: Browser, pages: Pages) -> None:
+def spline_segments_are_rows(browser: Browser, pages: Pages) -> None:
     desk(browser)
-    browser.open(pages.page("waits-and-stops"))
-    rows = browser.run("document.querySelectorAll('#table tbody tr').length")
-    assert rows == browser.run("report.figures.motions.length") == 8
-    before = browser.run(SCENE)
-    box = browser.box("#timeline")
-    browser.press(box["x"] + 0.6 * box["width"], box["y"] + 15)
-    t = browser.run("state.time")
-    share = t / browser.run("report.arms[0].end_s")
-    assert 0.5 < share < 0.65, share
-    current = browser.run("document.querySelector('#table tr.current td').textContent")
-    assert browser.run(f"String(pieceAt({t}).motion)") == current
-    assert browser.run(SCENE) != before
-    browser.click("#table tbody tr:nth-child(2) td")
-    assert abs(browser.run("state.time - report.figures.motions[1].start_s")) < 1e-9
-    # Dragging sets the time.
-    box = browser.box("#timeline")
-    y = box["y"] + 15
-    browser.drag([(box["x"] + 100, y), (box["x"] + 200, y), (box["x"] + 400, y)])
-    share = browser.run("state.time / report.arms[0].end_s")
-    assert abs(share - (400 - 56) / (box["width"] - 64)) < 0.01, share
+    browser.open(pages.page("spline"))
+    rows = browser.run(
+        "[...document.querySelectorAll('#table tbody tr')].map(row => "
+        "[...row.children].map(it => it.textContent))"
+    )
+    assert [row[:2] for row in rows] == [
+        ["1", "PTP"],
+        ["2", "Spline"],
+        ["2.1", "SPL"],
+        ["2.2", "SPL"],
+        ["2.3", "LIN"],
+        ["2.4", "SPL"],
+    ], rows
+    # Segments follow each other from the start of the spline to its end.
+    spline, *segments = ([float(cell) for cell in row[2:5]] for row in rows[1:])
+    assert segments[0][0] == spline[0] and segments[-1][1] == spline[1], rows
+    assert all(a[1] == b[0] for a, b in zip(segments, segments[1:])), rows
+    browser.click("#table tbody tr:nth-child(5) td")
+    assert abs(browser.run("state.time") - segments[2][0]) < 1e-3
+    current = "[...document.querySelectorAll('#table .current')].map(it => it.cells[0].textContent)"
+    assert browser.run(current) == ["2", "2.3"]
 
 
 def curves_can_be_chosen(browser: Browser, pages: Pages) -> None:
@@ -285,7 +248,8 @@ def paper_has_the_tables(browser: Browser, pages: Pages) -> None:
         browser.run(
             """(() => {
         const { width, height } = document.getElementById("paper");
-        const { data } = document.getElementById("paper").getContext("2d").getImageData(0, 0, width, height);
+        const context = document.getElementById("paper").getContext("2d");
+        const { data } = context.getImageData(0, 0, width, height);
         return new Set(new Uint32Array(data.buffer)).size;
     })()"""
         )
@@ -331,11 +295,9 @@ def a_run_is_beside_its_plan(browser: Browser, pages: Pages) -> None:
     for name in ("run", "run-alone"):
         browser.open(pages.page(name), "#t=3")
         assert browser.run(
-            "[...document.querySelectorAll('#flange td:first-child')].map(it => it.textContent)"
-        ) == [
-            "plan",
-            "measured",
-        ]
+            "[...document.querySelectorAll('#pose-head tr:first-child th')].map(it => "
+            "it.textContent)"
+        ) == ["", "plan", "measured"]
         told = browser.run("report.compared.report")
         assert told["tcp_deviation"]["max_mm"] < 0.2, told["tcp_deviation"]
         assert abs(told["cycle_time"]["error_s"]) < 0.01, told["cycle_time"]
@@ -446,16 +408,36 @@ def many_motions_and_one(browser: Browser, pages: Pages) -> None:
         assert wide <= 390, wide
 
 
+def names_and_groups_are_shown(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    browser.open(pages.page("named"))
+    head = browser.run("[...document.querySelectorAll('#table th')].map(it => it.textContent)")
+    assert head[2:4] == ["name", "group"] and head[-1] == "comment", head
+    row = browser.run("[...document.querySelectorAll('#table td')].map(it => it.textContent)")
+    assert row[2:4] == ["<b>first</b> </script>", "pick & place"], row
+    assert row[len(head) - 1] == "one line\n<i>another</i> line", row
+    piece = browser.run("document.getElementById('piece').textContent")
+    assert piece.startswith('Motion 1 "<b>first</b> </script>", '), piece
+    group = browser.run(
+        "[...document.querySelectorAll('#group-table td')].map(it => it.textContent)"
+    )
+    times = browser.run("report.figures.motions.map(it => it.end_s - it.start_s)")
+    assert group[:2] == ["pick & place *", "2"] and len(group) == 4, group
+    assert abs(float(group[2]) - times[0] - times[2]) < 6e-4, (group, times)
+    browser.open(pages.page("one"))
+    assert browser.run("document.getElementById('groups').hidden")
+
+
 def two_files_and_damaged_ones(browser: Browser, pages: Pages) -> None:
     desk(browser)
     browser.open(pages.page("compared"), "#t=6.1")
-    assert browser.run("document.querySelectorAll('#flange tr').length") == 2
+    assert browser.run("document.querySelectorAll('#pose tr:first-child td').length") == 3
     assert browser.run("document.querySelectorAll('#deviations canvas').length") == 2
     assert "off by" in browser.run("document.getElementById('figures').textContent")
     browser.open(pages.page("cut"))
     notes = browser.run("document.getElementById('notes').textContent")
     assert "cut off" in notes and "is lost" in notes, notes
-    assert browser.run("document.querySelector('#flange td').textContent") == "plan"
+    assert browser.run("document.querySelector('#pose-head').textContent") == "flange"
     browser.open(pages.page("recorder"))
     assert browser.run("document.getElementById('motions').hidden")
     assert "Recording" in browser.run("document.getElementById('summary').textContent")
@@ -498,8 +480,9 @@ CHECKS = [
     opens_and_is_drawn,
     arm_moves,
     flange_is_where_the_robot_model_has_it,
-    buttons_do_what_they_say,
-    timeline_and_table_are_linked,
+    tcp_pose_is_beside_the_flange,
+    spline_segments_are_rows,
+    *PLAYBACK_CHECKS,
     curves_can_be_chosen,
     *VIEW_CHECKS,
     schemes_and_phones,
@@ -508,6 +491,7 @@ CHECKS = [
     a_run_is_beside_its_plan,
     a_scene_is_shown,
     many_motions_and_one,
+    names_and_groups_are_shown,
     two_files_and_damaged_ones,
     *CHART_CHECKS,
 ]

@@ -26,6 +26,14 @@ from chromium import Browser
 from latency import frames_latency_and_memory
 from rig import Rig
 from scene import TOOL
+from twin_layout import (
+    UNMET,
+    controls_are_beside_the_arm,
+    disabled_controls_say_why,
+    empty_charts_say_what_will_appear,
+    schemes_and_phones,
+    stop_button_is_in_view,
+)
 from twins import FIXTURES, ODD, TO_AND_FRO, Mover, Twin, load, send, text
 
 SCENE = "(drawArms(), document.getElementById('scene').toDataURL())"
@@ -35,7 +43,7 @@ def page_follows_the_robot(browser: Browser, twin: Twin) -> None:
     twin.open(browser)
     browser.until("document.getElementById('link').textContent === 'live'")
     browser.until("/excellent|good/.test(document.getElementById('state').textContent)")
-    browser.until("document.getElementById('nearest').textContent.startsWith('Nearest: ')")
+    browser.until("document.getElementById('nearest').textContent.startsWith('Nearest obstacle: ')")
     pictures = set()
     mover = Mover(twin.rig)
     try:
@@ -206,87 +214,6 @@ def stop_stops(browser: Browser, twin: Twin) -> None:
     browser.click("#clear")
     browser.until("desk.plan === null")
     assert browser.run("document.getElementById('plan').hidden")
-
-
-# The screens of a phone, a laptop and a desk.
-SCREENS = [(390, 844), (1300, 900), (1920, 1080)]
-
-# Elements that an expression names and that the mouse does not meet at their centre.
-UNMET = """(elements => [...elements].filter(it => {
-    const { x, y, width, height } = it.getBoundingClientRect();
-    const met = document.elementFromPoint(x + width / 2, y + height / 2);
-    return !it.contains(met) && !it.closest('label')?.contains(met);
-}).map(it => it.outerHTML))"""
-
-# Buttons, fields and links that are drawn, but those in dialogs and the ones that open a file
-# dialog.
-CONTROLS = """[...document.querySelectorAll('main :is(button, input:not([type=file]), a)')]
-    .filter(it => it.offsetWidth && !it.disabled)"""
-
-
-def stop_button_is_in_view(browser: Browser, twin: Twin) -> None:
-    twin.open(browser)
-    load(browser, FIXTURES / "ten-motions.json")
-    for width, height in SCREENS:
-        browser.size(width, height, phone=width < 500)
-        browser.frames()
-        for share in (0, 0.2, 0.4, 0.6, 0.8, 1):
-            browser.run(
-                f"scrollTo(0, {share} * (document.documentElement.scrollHeight - innerHeight))"
-            )
-            browser.frames()
-            assert not (unmet := browser.run(f"{UNMET}([document.getElementById('stop')])")), (
-                width,
-                share,
-                unmet,
-            )
-            assert share == 0 or browser.run("scrollY") > 0, f"{width} px: nothing to scroll"
-        # At the upper and the lower edge of the screen, no control is behind the header.
-        for edge in ("start", "end"):
-            script = (
-                f"{CONTROLS}.flatMap(it => (it.scrollIntoView({{ block: '{edge}' }}), "
-                f"{UNMET}([it])))"
-            )
-            assert not (unmet := browser.run(script)), (width, edge, unmet)
-        # In a dialog that is longer than the screen.
-        browser.run("confirmed('A question', Array(60).fill('A line'), 'Yes', 'Move'), 1")
-        for share in (0, 0.5, 1):
-            where = "document.getElementById('confirm')"
-            browser.run(
-                f"{where}.scrollTop = {share} * ({where}.scrollHeight - {where}.clientHeight)"
-            )
-            browser.frames()
-            script = f"{UNMET}(document.querySelectorAll('#confirm .stop'))"
-            assert not (unmet := browser.run(script)), (width, share, unmet)
-            assert share == 0 or browser.run(f"{where}.scrollTop") > 0, (
-                f"{width} px: nothing to scroll"
-            )
-        for scheme in ("light", "dark"):
-            browser.scheme(scheme)
-            (twin.rig.folder / f"twin-stop-dialog-{width}-{scheme}.png").write_bytes(
-                browser.picture()
-            )
-        browser.run("document.getElementById('confirm').close()")
-        for scheme in ("light", "dark"):
-            browser.scheme(scheme)
-            browser.run("document.getElementById('send').scrollIntoView({ block: 'center' })")
-            browser.frames()
-            (twin.rig.folder / f"twin-stop-{width}-{scheme}.png").write_bytes(browser.picture())
-        browser.scheme("light")
-        browser.run("askForName(1, 'a name'), 1")
-        assert not (unmet := browser.run(f"{UNMET}(document.querySelectorAll('#rename .stop'))")), (
-            width,
-            unmet,
-        )
-        browser.run("document.getElementById('rename').close()")
-    browser.size(1280, 1000)
-    browser.click("#look-full")
-    browser.until("!!document.fullscreenElement")
-    browser.frames()
-    assert not (unmet := browser.run(f"{UNMET}(document.querySelectorAll('.view .stop'))")), unmet
-    browser.click("#look-full")
-    browser.until("!document.fullscreenElement")
-    browser.click("#clear")
 
 
 def escape_and_dialogs_stop(browser: Browser, twin: Twin) -> None:
@@ -485,7 +412,7 @@ def joints_are_turned(browser: Browser, twin: Twin) -> None:
     joint = "live.newest.joints_rad[2] * DEG"
     before = browser.run(joint)
     browser.run("document.getElementById('jog-step').value = '7'")
-    for name, by in (("Turn A3 forth by a step", 7), ("Turn A3 back by a step", 0)):
+    for name, by in (("Jog A3 in positive direction", 7), ("Jog A3 in negative direction", 0)):
         browser.until(f"!document.querySelector('[aria-label=\"{name}\"]').disabled")
         browser.click(f"[aria-label='{name}']")
         browser.until(f"Math.abs({joint} - {before + by}) < 0.01")
@@ -562,6 +489,10 @@ def too_near_is_not_sent(browser: Browser, twin: Twin) -> None:
     load(browser, program)
     assert "Cannot be sent: " in text(browser, "plan-refused")
     assert browser.run("document.getElementById('send').disabled")
+    # The reason is the tooltip too, and the text that describes the button.
+    assert browser.run("document.getElementById('send').title") == text(browser, "plan-refused")
+    described = "document.getElementById('send').getAttribute('aria-describedby').split(' ')"
+    assert "plan-refused" in browser.run(described)
     # The server also refuses, not only the page.
     why = browser.run(
         "order('send', { plan: desk.plan.id, move_to_start: true }).then(() => '', it => "
@@ -570,21 +501,6 @@ def too_near_is_not_sent(browser: Browser, twin: Twin) -> None:
     assert why.startswith("the program is not sent: "), why
     browser.until("shown.time > 0.8")
     twin.keep(browser, "twin-too-near")
-    browser.click("#clear")
-
-
-def schemes_and_phones(browser: Browser, twin: Twin) -> None:
-    twin.open(browser)
-    load(browser, FIXTURES / "ten-motions.json")
-    for scheme in ("light", "dark"):
-        browser.size(1280, 1000)
-        browser.scheme(scheme)
-        twin.keep(browser, f"twin-{scheme}")
-        browser.size(390, 844, phone=True)
-        browser.frames()
-        assert browser.run("document.documentElement.scrollWidth") <= 390
-        twin.keep(browser, f"twin-phone-{scheme}")
-    browser.size(1280, 1000)
     browser.click("#clear")
 
 
@@ -630,6 +546,9 @@ CHECKS = [
     tool_is_drawn,
     program_is_simulated_sent_and_replayed,
     stop_stops,
+    controls_are_beside_the_arm,
+    disabled_controls_say_why,
+    empty_charts_say_what_will_appear,
     stop_button_is_in_view,
     escape_and_dialogs_stop,
     positions_are_kept,

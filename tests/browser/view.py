@@ -125,7 +125,10 @@ def view_takes_in_the_arm_and_its_way(browser: Browser, pages: Pages) -> None:
                     const {{ matrix }} = scene.camera();
                     const points = ways().flatMap(({{ places, joints }}) => [...places, ...joints]);
                     return points.map(([x, y, z]) => {{
-                        const at = [0, 1, 3].map(i => matrix[i] * x + matrix[4 + i] * y + matrix[8 + i] * z + matrix[12 + i]);
+                        const at = [0, 1, 3].map(i => {{
+                            const [a, b, c, d] = [0, 4, 8, 12].map(k => matrix[k + i]);
+                            return a * x + b * y + c * z + d;
+                        }});
                         return [at[0] / at[2], at[1] / at[2]];
                     }});
                 }})()"""
@@ -185,7 +188,9 @@ def meshes_of_a_urdf_are_drawn(browser: Browser, pages: Pages) -> str:
         flat.getContext("2d").drawImage(scene, 0, 0);
         const { data } = flat.getContext("2d").getImageData(0, 0, flat.width, flat.height);
         let blue = 0;
-        for (let i = 0; i < data.length; i += 4) if (data[i + 2] > 1.3 * data[i] && data[i] > 60) blue++;
+        for (let i = 0; i < data.length; i += 4) {
+            if (data[i + 2] > 1.3 * data[i] && data[i] > 60) blue++;
+        }
         return blue;
     })()""")
     assert blue > 2000, blue
@@ -194,9 +199,12 @@ def meshes_of_a_urdf_are_drawn(browser: Browser, pages: Pages) -> str:
         const { floats, triangles } = unpackLook(robot.look);
         let sum = 0;
         for (let i = 0; i < triangles.length; i += 3) {
-            const [a, b, c] = [0, 1, 2].map(k => floats.subarray(10 * triangles[i + k], 10 * triangles[i + k] + 6));
+            const [a, b, c] = [0, 1, 2].map(k => {
+                const first = 10 * triangles[i + k];
+                return floats.subarray(first, first + 6);
+            });
             const [u, v] = [b, c].map(p => [0, 1, 2].map(k => p[k] - a[k]));
-            const n = [0, 1, 2].map(k => u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+            const n = [[1, 2], [2, 0], [0, 1]].map(([j, k]) => u[j] * v[k] - u[k] * v[j]);
             sum += (n[0] * a[3] + n[1] * a[4] + n[2] * a[5]) / (Math.hypot(...n) || 1);
         }
         return sum / (triangles.length / 3);

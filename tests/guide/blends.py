@@ -90,7 +90,8 @@ def main(binary, output):
     ]
     style = (
         ".ground{fill:#fbfbfa;stroke:#d8d8d4}text{fill:#1d2329}.head{font-weight:600}"
-        ".axis{fill:none;stroke:#8a8f98}@media(prefers-color-scheme:dark){.ground{fill:#16191d;stroke:#34393f}"
+        ".axis{fill:none;stroke:#8a8f98}"
+        "@media(prefers-color-scheme:dark){.ground{fill:#16191d;stroke:#34393f}"
         "text{fill:#eceff2}}"
     )
     Path(output).write_text(

@@ -7,9 +7,10 @@ Each page has a separate folder with `fixtures` in it, and `iiwasim` on the path
 it also has a separate network, so that the usual ports of drive and cabinet are free. Fences are
 processed in order:
 
-    ```sh      is run by bash, and has to succeed. `cargo run --release -p iiwasim --` is the given binary.
-    ```text    after it is its standard output: a line `...` matches any lines. Without an `sh` since
-               the last heading it is prose.
+    ```sh      is run by bash, and has to succeed. `cargo run --release -p iiwasim --` is the given
+               binary.
+    ```text    after it is its standard output: a line `...` matches any lines. Without an `sh`
+               since the last heading it is prose.
     ```json    is a program, a scene, frames, a profile or motions for a drive, and is planned with.
                Heights in the text before a program are compared with the plan (geometry.py).
     ```yaml    is parsed, and those of its commands that begin with iiwasim are run.

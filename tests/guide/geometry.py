@@ -2,7 +2,7 @@
 
 A comment before a program makes claims, each with the quoted words of the page:
 
-    <!-- geometry: motion 2 lowers by 80 mm, "lowers it by 80 mm"; motion 4 ends at place, "to the place" -->
+    <!-- geometry: motion 2 lowers by 80 mm, "by 80 mm"; motion 4 ends at place, "to the place" -->
 
     motion N lifts by D mm        the TCP moves up by D in the robot's base frame, and not sideways
     motion N lowers by D mm       the TCP moves down by D in the same way
@@ -60,7 +60,7 @@ class Runner:
         file, table = self.folder / "geometry.json", self.folder / "geometry.csv"
         file.write_text(json.dumps(program | {"motions": motions}))
         try:
-            command = ["iiwasim", "plan", file, "--no-output", "--csv", table]
+            command = ["iiwasim", "plan", file, "--no-output", "--csv", table, "--exact"]
             subprocess.run(
                 command, cwd=self.folder, env=self.environment, check=True, capture_output=True
             )

@@ -15,7 +15,8 @@ PAGE = Path(__file__).resolve().parents[2] / "docs/guide/keys.md"
 
 HEAD = """# All keys
 
-Made from the JSON Schemas that `iiwasim schema` prints. A key in **bold** is required; keys that are not listed are errors.
+Made from the JSON Schemas that `iiwasim schema` prints. A key in **bold** is required; keys that
+are not listed are errors.
 """
 
 DOCUMENTS = {
@@ -50,6 +51,13 @@ def bounds(schema):
     return f", up to {high_text}" if high_text else ""
 
 
+def lengths(schema):
+    low, high = schema.get("minLength"), schema.get("maxLength")
+    if low and high:
+        return f", {low} to {high} characters"
+    return f", up to {high} characters" if high else ""
+
+
 def kind(schema):
     """Type of a value, in Markdown."""
     if not isinstance(schema, dict):
@@ -81,7 +89,7 @@ def kind(schema):
     if types == ["object"]:
         of = schema.get("additionalProperties")
         return f"by name: {kind(of)}" if isinstance(of, dict) else "object"
-    return " or ".join(types) + bounds(schema)
+    return " or ".join(types) + bounds(schema) + lengths(schema)
 
 
 def cell(text):

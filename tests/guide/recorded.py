@@ -78,7 +78,7 @@ def planned(binary, start, end, timing, override, folder):
     program = {"version": 1, "override_percent": override, "start": {"joints_deg": start}}
     program["motions"] = [{"type": "ptp", "joints_deg": end}]
     Path(folder, "ptp.json").write_text(json.dumps(program))
-    options = ["--timing", timing, "--no-output", "--csv", "ptp.csv", "--rate", "1000"]
+    options = ["--timing", timing, "--no-output", "--csv", "ptp.csv", "--exact", "--rate", "1000"]
     subprocess.run(
         [Path(binary).resolve(), "plan", "ptp.json", *options],
         cwd=folder,
@@ -151,18 +151,19 @@ def main(binary, log, override, number, output):
         ),
         '<circle cx="560" cy="24" r="3"/><text x="572" y="28">recorded</text>',
         (
-            f'<rect x="660" y="22" width="22" height="4" fill="{COLOURS["sunrise"]}"/><text x="690" '
-            f'y="28">plan</text>'
+            f'<rect x="660" y="22" width="22" height="4" fill="{COLOURS["sunrise"]}"/>'
+            '<text x="690" y="28">plan</text>'
         ),
         (
-            f'<rect x="750" y="22" width="22" height="4" fill="{COLOURS["jerk"]}"/><text x="780" '
-            f'y="28">plan, --timing jerk</text>'
+            f'<rect x="750" y="22" width="22" height="4" fill="{COLOURS["jerk"]}"/>'
+            '<text x="780" y="28">plan, --timing jerk</text>'
         ),
         f'<text x="930" y="640" text-anchor="end">{whole:.1f} s</text>',
     ]
     style = (
         ".ground{fill:#fbfbfa;stroke:#d8d8d4}text,circle{fill:#1d2329}.head{font-weight:600}"
-        ".axis{fill:none;stroke:#8a8f98}@media(prefers-color-scheme:dark){.ground{fill:#16191d;stroke:#34393f}"
+        ".axis{fill:none;stroke:#8a8f98}"
+        "@media(prefers-color-scheme:dark){.ground{fill:#16191d;stroke:#34393f}"
         "text,circle{fill:#eceff2}}"
     )
     Path(output).write_text(

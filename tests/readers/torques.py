@@ -63,7 +63,7 @@ def largest_difference_nm(
     """The largest torque difference, and the number of compared states."""
     (folder / "program.json").write_text(json.dumps(program(robot, loaded)))
     subprocess.run(
-        [iiwasim, "plan", "program.json", "--no-output", "--csv", "plan.csv"],
+        [iiwasim, "plan", "program.json", "--no-output", "--csv", "plan.csv", "--exact"],
         cwd=folder,
         check=True,
         stdout=subprocess.DEVNULL,

@@ -55,14 +55,6 @@ fn program(entry: &Value) -> Result<Program, iiwa_program::ProgramError> {
         "start": { "joints_deg": entry["start_joints_deg"] },
         "motions": [entry["motion"]],
     });
-    // An auxiliary frame without an orientation leaves the orientation free.
-    let motion = &mut text["motions"][0];
-    if motion["type"] == "circ" {
-        motion["aux_orientation"] = json!("ignore");
-        for key in ["a_deg", "b_deg", "c_deg"] {
-            motion["aux"][key] = json!(0.0);
-        }
-    }
     if !entry["tool"].is_null() {
         text["tools"] = json!({ "tool": { "tcp": entry["tool"] } });
         text["tool"] = json!("tool");

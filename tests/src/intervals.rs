@@ -47,7 +47,7 @@ impl Interval {
         Self { from_p: from.p, duration_s: t, miss: missed, way }
     }
 
-    /// Derivative `order` of p by time, in powers of the relative time.
+    /// Derivative `order` of p with respect to time, in powers of the relative time.
     fn derivative(&self, order: u8) -> [f64; 5] {
         let n = usize::from(order);
         let scale = self.duration_s.powi(-i32::from(order));

@@ -46,7 +46,7 @@ pub fn loaded_program(seed: u64, index: u64) -> LoadedProgram {
     let center_mm =
         [dice.between(-30.0, 30.0), dice.between(-30.0, 30.0), dice.between(0.0, 120.0)];
     let load = Load { mass_kg, center_mm, inertia_kg_m2, ..Load::default() };
-    program.motions.insert(0, Motion::Load(Some(load)));
+    program.motions.insert(0, Motion::Load(Some(load.into())));
     program.workcell.mount = Mount::from_rpy_deg(match dice.count(0, 3) {
         0 => [0.0; 3],
         1 => [180.0, 0.0, 0.0],

@@ -91,7 +91,7 @@ impl PlanCheck {
             if let Some(jerk) = &jerk {
                 let slower = ratio(jerk.motion_time_s(), fine.motion_time_s());
                 if slower.is_nan() || slower < 1.0 - FASTER {
-                    verdict.failures.push("faster than without limits of jerk".to_owned());
+                    verdict.failures.push("faster than without jerk limits".to_owned());
                 }
             }
         }

@@ -164,7 +164,8 @@ fn draw(dice: &mut Dice, robot: &Robot, refused: &mut BTreeMap<&'static str, usi
         }
     }
     for i in 0..count {
-        let goes_on = matches!(program.motions.get(i + 1), Some(next) if !matches!(next, Motion::Wait { .. }));
+        let goes_on =
+            program.motions.get(i + 1).is_some_and(|next| !matches!(next, Motion::Wait { .. }));
         if goes_on && dice.percent(75) {
             match &mut program.motions[i] {
                 Motion::Ptp(ptp) => ptp.blend = Some(joint_blend(dice)),
@@ -172,7 +173,7 @@ fn draw(dice: &mut Dice, robot: &Robot, refused: &mut BTreeMap<&'static str, usi
                     cartesian.blend = Some(joint_blend(dice).into());
                 }
                 Motion::Cartesian(cartesian) => cartesian.blend = Some(path_blend(dice)),
-                Motion::Wait { .. } | Motion::Load(_) => {}
+                Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => {}
             }
         }
     }

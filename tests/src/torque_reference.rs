@@ -119,7 +119,7 @@ impl TorqueCase {
     #[must_use]
     pub fn path(&self, limits_torque: bool) -> JointPath {
         let mut program = Program::from_json(&self.program.to_string()).unwrap();
-        program.motions.insert(0, Motion::Load(Some(load(&self.load))));
+        program.motions.insert(0, Motion::Load(Some(load(&self.load).into())));
         program.workcell.mount = match self.gravity_m_s2 {
             [0.0, 0.0, z] if z > 0.0 => Mount::from_rpy_deg([180.0, 0.0, 0.0]),
             [x, 0.0, 0.0] if x > 0.0 => Mount::from_rpy_deg([0.0, 90.0, 0.0]),

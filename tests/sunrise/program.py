@@ -23,6 +23,8 @@ def exact_deg(rad: float) -> float:
 ORDER = [
     *[
         "type",
+        "io",
+        "value",
         "joints_rad",
         "offset",
         "in",
@@ -67,7 +69,7 @@ class Program:
         return {"file": file.relative_to(self.folder).as_posix(), "line": found[0]}
 
     def add(self, kind: str, place: str | tuple[str, str], **keys: object) -> None:
-        if kind != "wait" and not keys.get("blend"):
+        if kind not in ("wait", "set", "wait_for") and not keys.get("blend"):
             # By default, the program waits for the end of the motion.
             keys.setdefault("blocking", True)
         given = {key: value for key, value in keys.items() if value is not None}
@@ -119,6 +121,13 @@ class Program:
     def wait(self, seconds: float, place: str | tuple[str, str], overlap: int = 0) -> None:
         how = {0: {}, 1: {"overlap": True}}.get(overlap, {"overlap_motions": overlap})
         self.add("wait", place, seconds=seconds, **how)
+
+    def set(self, io: str, value: object, place: str | tuple[str, str]) -> None:
+        self.add("set", place, io=io, value=value)
+
+    def wait_for(self, io: str, value: object, place: str | tuple[str, str]) -> None:
+        """A wait for an input whose time is not stated."""
+        self.add("wait_for", place, io=io, value=value, seconds=0)
 
     def load(self, load: Load | None, place: str | tuple[str, str]) -> None:
         source = {"source": self.source(place)}

@@ -80,7 +80,7 @@ fn check_jerk(trajectory: &Trajectory, acceleration: &Trajectory) {
     assert_eq!(end.q, acceleration.at(f64::INFINITY).q);
     assert_eq!([end.dq, end.ddq], [[0.0; 7]; 2]);
     let [actual, lower] = [trajectory, acceleration].map(Trajectory::motion_time_s);
-    assert!(actual >= lower, "{actual} s, {lower} s without limits of jerk");
+    assert!(actual >= lower, "{actual} s, {lower} s without jerk limits");
 }
 
 /// Returns the duration of a program with `motions`, in s, without settle time.

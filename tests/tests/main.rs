@@ -9,6 +9,7 @@ mod limits;
 mod long_programs;
 mod metamorphic;
 mod ports;
+mod program_keys;
 mod reference;
 mod replanning;
 mod straight_jerk;

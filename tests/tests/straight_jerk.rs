@@ -204,7 +204,8 @@ fn slow_lines_of_the_tcp() {
     ] {
         let text = format!(
             r#"{{ "version": 1, "start": {{ "joints_deg": [0, 30, 0, -60, 0, 70, 0] }},
-                 "motions": [{{ "type": "lin_rel", "offset": {{ "x_mm": 40, "y_mm": -120, "z_mm": 30 }},
+                 "motions": [{{ "type": "lin_rel",
+                    "offset": {{ "x_mm": 40, "y_mm": -120, "z_mm": 30 }},
                     "cart_velocity_mm_s": {speed}, "cart_acceleration_mm_s2": {acceleration},
                     "cart_jerk_mm_s3": {jerk} }}] }}"#
         );

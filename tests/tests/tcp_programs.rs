@@ -229,7 +229,7 @@ fn scaled_limits_scale_time() {
                             scale(&mut limits.tool, kind, by);
                         }
                     }
-                    Motion::Wait { .. } | Motion::Load(_) => {}
+                    Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => {}
                 }
             }
         }
@@ -257,9 +257,9 @@ fn segments(path: &JointPath) -> Vec<Vec<Arc<dyn Segment>>> {
     parts.map(|part| part.iter().filter_map(segment).collect()).collect()
 }
 
-/// Joint positions and TCP are continuous with two derivatives by the path parameter wherever the
-/// arm does not stop: checked by the segments' own derivatives, and by divided differences of
-/// positions.
+/// Joint positions and TCP are continuous with two derivatives with respect to the path parameter
+/// wherever the arm does not stop: checked by the segments' own derivatives, and by divided
+/// differences of positions.
 #[test]
 fn position_and_two_derivatives_go_on_across_blends() {
     let mut joins = 0;

@@ -171,7 +171,7 @@ fn swings() -> Program {
 fn loaded(mass_kg: f64, torque_limit_rel: f64) -> Program {
     let mut program = swings();
     let load = Load { mass_kg, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
-    program.motions.insert(0, Motion::Load(Some(load)));
+    program.motions.insert(0, Motion::Load(Some(load.into())));
     program.workcell.torque_limit_rel = Some(torque_limit_rel);
     program
 }
@@ -247,7 +247,7 @@ fn a_mirrored_program_takes_as_long() {
         for (program, sign) in [(&mut program, 1.0), (&mut other, -1.0)] {
             program.workcell.mount = Mount::from_rpy_deg([sign * roll_deg, 10.0, 0.0]);
             if let Motion::Load(Some(load)) = &mut program.motions[0] {
-                load.center_mm[1] = sign * y_mm;
+                load.load.center_mm[1] = sign * y_mm;
             }
         }
         for motion in &mut other.motions {
@@ -275,7 +275,7 @@ fn unholdable_poses_are_rejected() {
     let mut program = loaded(6.0, 0.4);
     program.motions.remove(0);
     let load = Load { mass_kg: 6.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
-    program.motions.insert(2, Motion::Load(Some(load)));
+    program.motions.insert(2, Motion::Load(Some(load.into())));
     // The load is picked up where it can be held, and the return motion leads through poses where
     // it cannot.
     for timing in TIMINGS {
@@ -323,7 +323,8 @@ fn planning_again_keeps_limits_of_torque() {
     assert!(torque <= MAX_TORQUE, "{torque}");
 
     let heavy = Load { mass_kg: 60.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
-    let error = plan_again.replace(MotionIndex::new(0), Motion::Load(Some(heavy))).unwrap_err();
+    let heavy = Motion::Load(Some(heavy.into()));
+    let error = plan_again.replace(MotionIndex::new(0), heavy).unwrap_err();
     assert!(matches!(error, PlanError::Timing(TimingError::CannotHold { .. })), "{error}");
     assert!((plan_again.cycle_time_s() / from_nothing.cycle_time_s() - 1.0 - off).abs() < 1e-12);
 }

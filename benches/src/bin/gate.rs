@@ -234,7 +234,7 @@ fn plan_ptps(robot: &Robot, length_rad: f64, runs: u64) -> Result<()> {
 fn plan_with_torque_limits(robot: &Robot, runs: u64) -> Result<()> {
     let mut program = Program::from_json(&reference::ten_motions()?)?;
     let load = Load { mass_kg: 7.0, center_mm: [0.0, 0.0, 60.0], ..Load::default() };
-    program.motions.insert(0, Motion::Load(Some(load)));
+    program.motions.insert(0, Motion::Load(Some(load.into())));
     program.workcell.torque_limit_rel = Some(0.8);
     let path = JointPath::new(&program, robot)?;
     for _ in 0..runs {

@@ -1,4 +1,4 @@
-//! How the questions of a Sunrise application are answered.
+//! Answers to the questions of a Sunrise application.
 
 use std::path::PathBuf;
 
@@ -62,7 +62,7 @@ pub(crate) struct Answering {
 }
 
 impl Answering {
-    /// Whether anything is said that is for applications only.
+    /// True if an option for applications is given.
     pub(crate) fn is_given(&self) -> bool {
         let Self { application, answer, input, data, fired, time, tool, .. } = self;
         let Self { flange_mm, answers, start_deg, .. } = self;

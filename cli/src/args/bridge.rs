@@ -91,7 +91,7 @@ pub(crate) struct Kafka {
     #[command(flatten)]
     pub(crate) access: KafkaAccess,
 
-    /// How batches are compressed
+    /// Compression of batches
     #[arg(
         long = "kafka-compression",
         value_name = "NAME",
@@ -114,11 +114,11 @@ pub(crate) struct Mqtt {
         value_parser = whole::<u8, 3, 5>)]
     pub(crate) version: u8,
 
-    /// Most messages of joints per second and robot; 0 for all
+    /// Maximum number of joint messages per second and robot; 0 for all
     #[arg(long = "mqtt-rate", value_name = "HZ", default_value_t = 10.0, value_parser = at_least_0)]
     pub(crate) rate: f64,
 
-    /// What the names of connections begin with: two bridges at a broker need two
+    /// Prefix of the connection names: two bridges at one broker need different prefixes
     #[arg(long = "mqtt-client", value_name = "TEXT", default_value = "iiwasim")]
     pub(crate) client: String,
 
@@ -131,7 +131,7 @@ pub(crate) struct Mqtt {
     pub(crate) sparkplug: Option<String>,
 }
 
-/// A robot beside that of `--drive`.
+/// A robot in addition to that of `--drive`.
 #[derive(Clone, Debug)]
 pub(crate) struct OtherRobot {
     pub(crate) name: String,

@@ -9,17 +9,20 @@ use super::{LogReading, values::at_least_0};
 /// Compare a recording with a plan: cycle time error, path deviation, and torques if recorded.
 ///
 /// The cycle time error is the planned time minus the measured time, in s and in per cent of the
-/// measured time. The measured time lasts from leaving the start to arriving at the end, regardless
-/// of the recording before and after, plus the planned standstill (settling and waits) before the
-/// first and after the last motion. The time of each motion is compared in the same way, between
-/// the planned start and end positions of the motion.
+/// measured time. The measured time is the time from leaving the start to arriving at the end,
+/// however long the recording is, plus the planned standstill before the first and after the last
+/// motion: the planned time includes this standstill, and joint positions do not show it. The time
+/// of each motion is compared between the planned start and end positions of the motion.
 ///
 /// The path is compared regardless of time: by the distance of each sample to the nearest point of
 /// the planned path, in joint space (Euclidean norm of the seven angles) and at the flange, as mean
 /// along the path and maximum. Noise of the recording counts as distance.
 ///
 /// If the recording contains several runs of the program, the first run is used. A recording whose
-/// path is far from the plan's, or that has only a part of it, is rejected.
+/// path is far from the plan's, or that contains only a part of the program, is rejected.
+///
+/// The exit code is 3 if an error exceeds its gate, and 2 if the files cannot be compared;
+/// otherwise it is 0. Without gates, errors of any size give 0.
 #[derive(Args, Debug)]
 pub(crate) struct Compare {
     /// The plan: an MCAP file of `iiwasim plan`

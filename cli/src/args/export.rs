@@ -12,10 +12,10 @@ use clap::Args;
 /// moveAsync, all others by move. Tools and workpieces are attached and detached; a tool that holds
 /// a workpiece is a template of its own.
 ///
-/// Motions that Sunrise cannot express are refused, with motion and key. Settings that Java does
-/// not control are noted: mounting, T1, torque limits. The arm must be at the program's start
-/// before the application runs; the start is in the class comment and, with the robot, in the
-/// process data.
+/// Motions that Sunrise cannot express are refused, with motion and key. Notes list the settings
+/// that an application does not control: mounting, T1, torque limits. The arm must be at the
+/// program's start before the application runs: the class comment states the start, and the process
+/// data contain the start and the robot.
 #[derive(Args, Debug)]
 pub(crate) struct Export {
     /// Write a project of KUKA Sunrise

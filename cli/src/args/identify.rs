@@ -4,33 +4,39 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{LogReading, values::override_percent};
+use super::{LogReading, log_reading::COMMANDED_PREFERRED, values::override_percent};
 
 /// Identify a robot's limits, settling time and blend curves from recordings.
 ///
-/// Each recording is matched with its program from stop to stop. Limits are identified from
-/// straight-line motions from rest to rest: the whole motion is fitted instead of differentiated,
-/// so that noise averages out. Long motions of single joints at full speed are the most useful;
-/// motions of several joints are used if a single joint must have been the limiting one. If
-/// constant jerk does not explain a motion, Sunrise's ramps with constant snap are fitted, and S
-/// and R of `ramps` in profiles are identified. The settling time is identified from stops between
-/// such motions, kappa from blends, regardless of time; for blends between two LINs from the TCP
-/// path, as `tcp_blend_kappa`. TCP paths and their blends are compared with iiwasim's assumptions:
-/// orientation, E1, and blends with PTP motions. For that, the controller itself must have planned
-/// them: trajectories that a drive streamed show iiwasim's own blends.
+/// Each recording is followed along the path of its program, one section between two stops at a
+/// time. Limits are identified from PTP motions from rest to rest: the whole motion is fitted
+/// instead of differentiated, so that noise averages out. Long motions of single joints at full
+/// speed are the most useful; a motion of several joints is used if only one of these joints can
+/// have limited it. If constant jerk does not explain a motion, Sunrise's ramps with constant snap
+/// are fitted, and their limits are identified: those of snap, and of starts and stops (`ramps` in
+/// the profile). The settling time is identified from the stops between such motions.
+///
+/// kappa, the shape of blends, is identified from the path of each blend, regardless of time:
+/// between PTP motions in joint space (`blend_kappa` in the profile), between LIN motions from the
+/// TCP path (`tcp_blend_kappa`). From measured torques, payload and friction are identified.
+///
+/// The recorded orientation and E1 on TCP paths, and blends between PTP motions and TCP paths, are
+/// compared with iiwasim's assumptions. This comparison is useful only if the robot's controller
+/// planned the motions: set-points that a drive has streamed follow the path that iiwasim planned.
 ///
 /// Each figure has its uncertainty, half of the 95 % confidence interval, and the number of
-/// observations. Parameters that the recordings do not determine keep the values of the model.
-/// Commanded positions of a `DataRecorder` log are preferred: measured ones lag by some ms, so that
-/// jerk is underestimated.
+/// observations. Parameters that the recordings do not determine keep the values of the model. In a
+/// `DataRecorder` log, commanded positions are preferred: measured positions lag by some ms, and
+/// the jerk identified from them is too low.
 ///
-/// The resulting profile works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` makes
-/// programs from which all of it can be identified.
+/// The resulting profile works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` runs
+/// programs with suitable motions.
 #[derive(Args, Debug)]
+#[command(mut_arg("positions", |arg| arg.help(COMMANDED_PREFERRED)))]
 pub(crate) struct Identify {
-    /// Recordings: MCAP files of `iiwasim run` or `experiment`, which contain their programs, or,
-    /// with --program, of `iiwasim record`, `DataRecorder` logs or CSV files with the columns `t_s`
-    /// and `joint_1_rad` (or `_deg`) to `joint_7_rad`
+    /// Recordings: MCAP files of `iiwasim run` or `experiment`, which contain their programs. With
+    /// --program also MCAP files of `iiwasim record`, `DataRecorder` logs, and CSV files with the
+    /// columns `t_s` and `joint_1_rad` (or `_deg`) to `joint_7_rad`
     #[arg(value_name = "RECORDING", required = true)]
     pub(crate) recordings: Vec<PathBuf>,
 
@@ -38,8 +44,8 @@ pub(crate) struct Identify {
     #[arg(long, value_name = "PROGRAM.json")]
     pub(crate) program: Option<PathBuf>,
 
-    /// Built-in model or robot profile for lengths, ranges and all figures that are not identified
-    /// [default: the recordings' or the programs']
+    /// Built-in model or robot profile for lengths, joint ranges and all figures that are not
+    /// identified [default: the robot of the recordings or of their programs]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
@@ -63,8 +69,9 @@ pub(crate) struct Identify {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Speed override during the recordings, in per cent, instead of the program's: scales speeds,
-    /// its square accelerations, its cube jerks; pauses are not scaled. The figures are for 100 %
+    /// Speed override during the recordings, in per cent, instead of the program's. Identified
+    /// limits are converted to 100 %: speeds are proportional to the override, accelerations to its
+    /// square, jerks to its cube. The settling time does not depend on it
     #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
     pub(crate) speed_override: Option<f64>,
 

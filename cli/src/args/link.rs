@@ -13,7 +13,7 @@ use iiwa_link::{message::IoValue, security::Endpoint};
 use super::{
     RosNaming,
     addresses::{DRIVE, DriveAddress, STREAM, ServerKeys},
-    robot_values::{io_value, lag, noise, percent, percent_above_zero, period, speed},
+    robot_values::{io_value, lag, noise, percent, percent_above_zero, period, signal, speed},
     values::{at_least_0, epoch, seven, whole},
 };
 
@@ -168,6 +168,10 @@ pub(crate) struct Cabinet {
 
     #[command(flatten)]
     pub(crate) keys: ServerKeys,
+
+    /// Initial value of an input or output, such as MediaFlange.UserButton=true; repeat for several
+    #[arg(long = "signal", value_name = "NAME=VALUE", value_parser = signal)]
+    pub(crate) signals: Vec<(String, IoValue)>,
 
     #[command(flatten)]
     pub(crate) faults: CabinetFaults,

@@ -1,19 +1,24 @@
-//! Choices for logs whose columns leave them open.
+//! Options for logs and tables whose columns do not state everything.
 
 use clap::{Args, ValueEnum};
 use iiwa_log::{AngleUnit, LogOptions, Positions};
 
-/// Choices for reading logs and tables.
+/// Help of `--positions` for commands that prefer commanded positions.
+pub(super) const COMMANDED_PREFERRED: &str = "Columns of a `DataRecorder` log: commanded positions \
+    (axisQCmd) or measured positions (axisQMsr, with lag and noise) [default: commanded if the log \
+    has them, otherwise measured]";
+
+/// Options for reading logs and tables.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct LogReading {
-    /// Unit of joint positions if the columns do not name one (`DataRecorder` logs, `q1` to `q7`)
-    /// [default: rad; deg for `DataRecorder` logs with a position that no joint can reach in rad]
+    /// Unit of joint positions, for files whose columns do not state it: `DataRecorder` logs, and
+    /// tables with columns such as `q1` [default: rad, but deg for a `DataRecorder` log with a
+    /// position that no joint can reach in rad]
     #[arg(long, value_enum, value_name = "UNIT")]
     unit: Option<AngleName>,
 
     /// Columns of a `DataRecorder` log: commanded positions (axisQCmd) or measured positions
-    /// (axisQMsr, with lag and noise) [default: measured (`identify` and `validate`: commanded), or
-    /// the only ones in the log]
+    /// (axisQMsr, with lag and noise) [default: measured if the log has them, otherwise commanded]
     #[arg(long, value_enum, value_name = "POSITIONS")]
     positions: Option<PositionKind>,
 }

@@ -9,7 +9,7 @@ use super::{
     values::{number, seven, whole},
 };
 
-/// Forward kinematics: print the pose of the flange, or of a tool's TCP, at given joint angles.
+/// Forward kinematics: print the pose of the flange, or of a tool's TCP, at given joint positions.
 #[derive(Args, Debug)]
 pub(crate) struct Fk {
     #[command(flatten)]
@@ -22,7 +22,8 @@ pub(crate) struct Fk {
     #[command(flatten)]
     pub(crate) place: ToolAndBase,
 
-    /// Print one JSON object: `position_m`, `rotation` (three rows), `frame`, `robot`
+    /// Print one JSON object: `position_m`, `rotation` (three rows), `frame` (the same pose in mm
+    /// and degrees with E1, status and turn, as in programs), `robot`
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -30,15 +31,18 @@ pub(crate) struct Fk {
 /// Tool and base for poses.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ToolAndBase {
-    /// Motion program with the tools, bases and frames, or a file of them that programs include
+    /// Motion program that defines tools, bases and frames, or a file of tools, bases and frames
+    /// for programs to include
     #[arg(long, value_name = "FILE.json")]
     pub(crate) program: Option<PathBuf>,
 
-    /// Tool, as TOOL or TOOL/TIP, or flange for no tool [default: the program's]
+    /// Tool whose TCP is meant: `TOOL`, `TOOL/TIP`, or `flange` for the flange [default: the
+    /// program's, or the flange without --program]
     #[arg(long, value_name = "NAME", requires = "program")]
     pub(crate) tool: Option<String>,
 
-    /// Base of the frames, or robot for the robot base frame [default: the program's]
+    /// Base in which poses are given, or `robot` for the robot's base [default: the program's, or
+    /// the robot's base without --program]
     #[arg(long, value_name = "NAME", requires = "program")]
     pub(crate) base: Option<String>,
 }
@@ -46,17 +50,18 @@ pub(crate) struct ToolAndBase {
 #[derive(Args, Debug)]
 #[group(required = true, multiple = false)]
 pub(crate) struct Configuration {
-    /// Joints A1 to A7 in rad, as 0,0.5,0,-1,0,0.7,0
+    /// Joint positions A1 to A7 in rad, such as 0,0.5,0,-1,0,0.7,0
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     joints_rad: Option<[f64; 7]>,
 
-    /// Joints A1 to A7 in degrees, as 0,30,0,-60,0,90,0
+    /// Joint positions A1 to A7 in degrees, such as 0,30,0,-60,0,90,0
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     joints_deg: Option<[f64; 7]>,
 
     /// Read joint positions from standard input: a table with the columns `joint_1_deg` to
-    /// `joint_7_deg` (or in rad), or one JSON object per line with `joints_deg`. Prints a table, or
-    /// with --json one object per line
+    /// `joint_7_deg` (or in rad; also `A1_deg` or `q1_deg`), with commas, semicolons, tabs or
+    /// spaces, or one JSON object per line with `joints_deg`. Prints a table, or with --json one
+    /// object per line
     #[arg(long)]
     pub(crate) stdin: bool,
 }
@@ -69,7 +74,8 @@ impl Configuration {
     }
 }
 
-/// Inverse kinematics: print the joint angles that bring the flange, or a tool's TCP, to a frame.
+/// Inverse kinematics: print the joint positions that bring the flange, or a tool's TCP, to a
+/// frame.
 #[derive(Args, Debug)]
 pub(crate) struct Ik {
     #[arg(
@@ -78,28 +84,29 @@ pub(crate) struct Ik {
         required_unless_present = "stdin",
         default_value = "",
         hide_default_value = true,
-        help = "The flange in the robot's foot, or the tool's TCP in the base: x_mm, y_mm, z_mm, \
-            a_deg, b_deg, c_deg (or a_rad, ...), and e1_deg, status and turn as on the robot; or \
-            the name of a frame of --program"
+        help = "Pose of the tool's TCP in the base (of the flange in the robot's base without \
+            --program): a JSON object with x_mm, y_mm, z_mm, a_deg, b_deg, c_deg (or a_rad, ...), \
+            and e1_deg, status and turn as on the robot; or the name of a frame of --program"
     )]
     pub(crate) frame: String,
 
-    /// Read frames from standard input: a table with these keys as columns, or one JSON object per
-    /// line, also in the format of `iiwasim fk --json`. Prints a table, or with --json one object
-    /// per line
+    /// Read frames from standard input: a table with these keys as columns, with commas,
+    /// semicolons, tabs or spaces, or one JSON object per line, also in the format of `iiwasim fk
+    /// --json`. Prints a table, or with --json one object per line
     #[arg(long, conflicts_with = "frame")]
     pub(crate) stdin: bool,
 
-    /// Position of joint A3 in degrees, in place of the frame's
+    /// Position of joint A3 in degrees, instead of the frame's
     #[arg(long, value_name = "DEG", value_parser = number, allow_hyphen_values = true)]
     pub(crate) e1_deg: Option<f64>,
 
-    /// Status (arm configuration), in place of the frame's: 1 if the wrist is behind A1, plus 2 if
+    /// Status (arm configuration), instead of the frame's: 1 if the wrist is behind A1, plus 2 if
     /// A4 is negative, plus 4 if A6 is negative
     #[arg(long, value_name = "0-7", value_parser = whole::<u8, 0, 7>)]
     pub(crate) status: Option<u8>,
 
-    /// Reference joints A1 to A7 in degrees: E1 and status are taken from them if not given
+    /// Joint positions A1 to A7 in degrees from which E1 and status are read, if they are given
+    /// neither by options nor by the frame
     #[arg(long, value_name = "A1,...,A7", value_parser = seven, allow_hyphen_values = true)]
     pub(crate) near: Option<[f64; 7]>,
 

@@ -16,28 +16,40 @@ use super::{
 const METHOD: &str =
     "Methods of calculation (equation numbers: Larsen 2019, see docs/equations.md)";
 
+/// Help of `--urdf`: a plan has no page.
+const URDF: &str = "URDF whose meshes (STL, OBJ or Collada), as convex hulls, replace the simple \
+    shapes of the arm in clearances; needs --scene. Its joints must match the robot's";
+
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
-/// The table has one row per motion, except loads and waits that take no time: start time,
-/// duration, top speed as a share of the joint speed limit, and the one or two limits that are
-/// active longest, with their shares of the duration from 5 % up; --json prints all limits. A
-/// motion lasts from the start of the blend before it to the start of the blend after it, or to its
-/// stop. Below the table are the largest joint torque, as a share of the torque limit, and the
-/// mechanical work of the joints (link side, without motor and rotor losses).
+/// The table has one row per motion, wait at rest, load change, output (`set`) and input
+/// (`wait_for`). A wait with "overlap" that ends while the arm still moves is counted but has no
+/// row, so that the table skips its number. The row of a motion contains its start time,
+/// its duration, its top speed as a share of the joint speed limit, and the one or two limits that
+/// are active longest, each for at least 5 % of the duration, with their shares of the duration. If
+/// no limit is active for so long, the row names one limit without a share: the limit that is
+/// active longest or, if none is active, the limit that the motion approaches most closely. --json
+/// prints all active limits. A motion lasts from the start of the blend before it to the start of
+/// the blend after it, or to its stop. Below the table are the largest joint torque, as a share of
+/// the torque limit, and the mechanical work of the joints (link side, without motor and rotor
+/// losses).
 ///
 /// The MCAP file opens in Foxglove, Lichtblick, Rerun and ROS 2 tools. It contains joint states,
 /// link frames, the flange pose, the whole trajectory, the robot's URDF and the program.
 ///
 /// Many programs are planned on all cores: `iiwasim plan A.json B.json`, or `iiwasim plan FOLDER`
-/// for all *.json files in the folder, sorted by name, except hidden files, robot profiles, scenes
-/// and files of frames. The table then has one row per program: cycle time, time in motion, time at
-/// rest (settling and waiting), and the limit that dominates the motions of the longest total
-/// duration. A failed program is reported on standard error and does not stop the others; the exit
-/// code is then 3.
+/// for all programs in the folder, sorted by name: its *.json files except hidden files, robot
+/// profiles, scenes, files of frames and JSON Schemas. A note names each file that is left out,
+/// except hidden files. The table then has one row per program: cycle time, time in motion, time at
+/// rest (settling and waiting), and the main limit. For the main limit, each motion adds its
+/// duration to one limit: the limit that is active longest in it or, if none is active, the limit
+/// that it approaches most closely. The main limit is the one with the largest sum. A failed
+/// program is reported on standard error and does not stop the others; the exit code is then 3.
 ///
 /// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, with the
 /// options of `iiwasim import`.
 #[derive(Args, Debug)]
+#[command(mut_arg("urdf", |arg| arg.help(URDF)))]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Plan {
     /// Motion program in JSON (`iiwasim schema` describes it), or a folder of them; - reads
@@ -67,10 +79,10 @@ pub(crate) struct Plan {
     #[arg(long, value_enum, default_value_t = Timing::Sunrise, help_heading = METHOD)]
     pub(crate) timing: Timing,
 
-    /// Also limit joint torques (link side) to this percentage of the robot's torque limits,
-    /// instead of the program's value: motions that need more torque become slower. Programs that
-    /// need less are not affected. Off by default, because no public source says whether Sunrise
-    /// limits torques [PERCENT: 1 to 1000, 100 if omitted]
+    /// Also limit joint torques (link side) to this percentage of the robot's torque limits:
+    /// motions that need more torque become slower, others are not affected. Overrides
+    /// `limit_torque_percent` of the program. Without either, torques are not limited, because no
+    /// public source says whether Sunrise limits torques [PERCENT: 1 to 1000, 100 if omitted]
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true,
         default_missing_value = "100",
         value_parser = torque_percent)]
@@ -99,6 +111,11 @@ pub(crate) struct Plan {
     /// velocities and accelerations, TCP, torques
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) csv: Option<PathBuf>,
+
+    /// Write all digits of the numbers in the CSV table. By default, they are rounded to 1e-9 of
+    /// their units (s, rad, m, Nm)
+    #[arg(long, requires = "csv")]
+    pub(crate) exact: bool,
 
     /// Also write the trajectory of a single program as an Apache Parquet file
     #[arg(long, value_name = "FILE.parquet")]
@@ -211,13 +228,14 @@ impl From<BlendKind> for BlendShape {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Search {
-    /// The first crossing of the sphere with the blend radius, as seen from the target; never
-    /// misses a crossing
+    /// Search along the motion, from its target outwards, for the first point whose distance from
+    /// the target is the blend radius; never misses a point
     FirstCrossing,
     /// Bisection (Larsen 2019, Algorithm 1)
     #[value(name = "algorithm-1")]
     Algorithm1,
-    /// Steps of 0.001 of the motion's length; may miss crossings (Larsen 2019, Algorithm 2)
+    /// Steps of 0.001 of the motion's length; may miss the first point at the blend radius (Larsen
+    /// 2019, Algorithm 2)
     #[value(name = "algorithm-2")]
     Algorithm2,
 }

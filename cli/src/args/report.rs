@@ -11,12 +11,13 @@ use super::{LogReading, Urdf};
 /// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and
 /// speed; the flange path with blends and blend spheres; position, velocity, acceleration, jerk and
 /// torque (link side) of the joints with their limits; the start, duration and active limit of each
-/// motion. With a second file, both arms and the errors of `iiwasim compare`. With --scene,
-/// obstacles, tool and clearance over time.
+/// motion. With a second file, the page also shows the measured arm and the errors of `iiwasim
+/// compare`; with --scene, the obstacles, the tool and the clearance over time.
 ///
 /// A recording of `iiwasim run` contains its program and is shown beside its plan. Other recordings
-/// have no motions; the page shows the rest. A truncated file is shown up to its end, with a note.
-/// Long files are reduced for the screen: each column of a curve spans its minimum to its maximum.
+/// do not contain a program: their page has neither a plan nor the list of motions. A truncated
+/// file is shown up to its end, with a note. Long files are reduced to the width of the screen:
+/// each pixel column of a curve spans the minimum and the maximum of its samples.
 #[derive(Args, Debug)]
 pub(crate) struct Report {
     /// An MCAP file of `iiwasim plan`, `run` or `record`, a `DataRecorder` log, or a CSV file with

@@ -37,6 +37,12 @@ pub(super) fn period(text: &str) -> Result<f64, String> {
     within(text, 0.1, 1e6, " s")
 }
 
+/// A signal with its value, `NAME=VALUE`.
+pub(super) fn signal(text: &str) -> Result<(String, IoValue), String> {
+    let (name, value) = text.split_once('=').ok_or("give NAME=VALUE")?;
+    Ok((name.to_owned(), io_value(value)?))
+}
+
 /// The value of an output.
 pub(super) fn io_value(text: &str) -> Result<IoValue, String> {
     serde_json::from_str(text).map_err(|_| format!("`{text}` is not true, false or a number"))

@@ -1,4 +1,4 @@
-//! What ROS calls joints and links.
+//! ROS names of joints and links.
 
 use clap::{Args, ValueEnum};
 use iiwa_kin::{RosNames, RosPrefix, RosStack};

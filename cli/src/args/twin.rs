@@ -16,8 +16,8 @@ use super::{
 /// The page is served to this machine only, at an address with a token, which is printed at the
 /// start. It shows the measured arm, the state of the drive, sensors, inputs and outputs, and, with
 /// --scene, the clearance of the arm. A program is planned and shown before it can be run, and the
-/// recording of the run is shown beside the plan. Saved positions stay for the next time, and can
-/// be made into a program.
+/// recording of the run is shown beside the plan. Saved positions are kept for later sessions, and
+/// programs can be built from them.
 ///
 /// The page is an ordinary client of the drive: the drive and the checks of `iiwasim run` validate
 /// all requests. Ctrl-C ends the twin; a run that it has started is stopped on its path.

@@ -1,4 +1,4 @@
-//! Which URDF the arm looks like.
+//! URDF that gives the arm its shape.
 
 use std::path::PathBuf;
 
@@ -7,9 +7,8 @@ use clap::Args;
 /// URDF of the user, and the folders of its meshes.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Urdf {
-    /// URDF whose meshes (STL, OBJ or Collada) replace the simple shapes of the arm: on pages (not
-    /// of `plan`) and, as convex hulls, in clearances (`plan` needs --scene). Its joints must match
-    /// the robot's
+    /// URDF whose meshes (STL, OBJ or Collada) replace the simple shapes of the arm on the page
+    /// and, as convex hulls, in clearances. Its joints must match the robot's
     #[arg(long, value_name = "FILE.urdf")]
     pub(crate) urdf: Option<PathBuf>,
 

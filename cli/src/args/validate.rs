@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{LogReading, Timing, values::override_percent};
+use super::{LogReading, Timing, log_reading::COMMANDED_PREFERRED, values::override_percent};
 
 /// Plan a program, compare the plan with a recording of a real run, and print a table and a score.
 ///
@@ -19,6 +19,7 @@ use super::{LogReading, Timing, values::override_percent};
 /// The recording may be longer than the program; the first run is used. Commanded positions of a
 /// `DataRecorder` log are preferred.
 #[derive(Args, Debug)]
+#[command(mut_arg("positions", |arg| arg.help(COMMANDED_PREFERRED)))]
 pub(crate) struct Validate {
     /// The program that the robot ran
     #[arg(value_name = "PROGRAM.json")]
@@ -33,11 +34,12 @@ pub(crate) struct Validate {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Limits of the plan
+    /// Timing method of the plan
     #[arg(long, value_enum, default_value_t = Timing::Sunrise)]
     pub(crate) timing: Timing,
 
-    /// Speed override during the recording, in per cent: scales motions, not waits
+    /// Speed override during the recording, in per cent, instead of the program's: slows down
+    /// motions, but neither the standstill after stops nor waits
     #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
     pub(crate) speed_override: Option<f64>,
 

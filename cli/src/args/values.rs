@@ -1,4 +1,4 @@
-//! How the values of options are read, and their ranges.
+//! Parsers and ranges of option values.
 
 use std::time::{Duration, UNIX_EPOCH};
 
@@ -38,7 +38,7 @@ pub(super) fn rate(text: &str) -> Result<f64, String> {
     within(text, 0.1, 100_000.0, " Hz")
 }
 
-/// A limit of torques.
+/// A torque limit.
 pub(super) fn torque_percent(text: &str) -> Result<f64, String> {
     within(text, 100.0 * MIN_TORQUE_LIMIT, 100.0 * MAX_TORQUE_LIMIT, " %")
 }

@@ -4,7 +4,9 @@ use iiwa_eval::PlannedTrajectory;
 use iiwa_log::{PlanRecordError, Positions};
 use iiwa_report::{ComparisonReport, draw_comparison, with_causes};
 
-use crate::{args::Compare, failure::Failure, input, output, output_kind::OutputKind, picture};
+use crate::{
+    args::Compare, failure::Failure, input, output, output_kind::OutputKind, picture, terminal,
+};
 
 /// Compares a recording with a plan, prints the figures and applies the gates.
 pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
@@ -40,7 +42,7 @@ pub(crate) fn run(options: &Compare) -> Result<(), Failure> {
     if options.json {
         output::print_json(&report)?;
     } else {
-        output::print(&report.text())?;
+        output::print(&report.text(terminal::width()))?;
     }
     let unmet = report.complaint(options.max_error_percent, options.max_deviation_mm);
     unmet.map_or(Ok(()), |unmet| Err(Failure::Gate(unmet)))

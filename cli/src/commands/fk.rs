@@ -9,7 +9,7 @@ use crate::{
     args::Fk,
     failure::{Failure, print_note},
     frame::{ReachedFrame, Workplace},
-    lines::{joints_rad, quoted, records, rounded},
+    lines::{joint_columns, joints_rad, quoted, records, rounded},
     output,
 };
 
@@ -35,7 +35,7 @@ fn print_all(place: &Workplace, json: bool) -> Result<(), Failure> {
         output::print("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,e1_deg,status,turn,error\n")?;
     }
     let (mut lines, mut failed) = (0_usize, 0_usize);
-    for object in records() {
+    for object in records(joint_columns) {
         let (number, object) = object?;
         lines += 1;
         let joints = object.and_then(|object| joints_rad(&object)).and_then(|joints| {

@@ -11,7 +11,7 @@ use crate::{
     args::Ik,
     failure::{Failure, print_note},
     frame::{ReachedFrame, Workplace},
-    lines::{quoted, records, rounded},
+    lines::{frame_columns, quoted, records, rounded},
     output,
 };
 
@@ -95,7 +95,7 @@ fn solve_all(place: &Workplace, options: &Ik) -> Result<(), Failure> {
         output::print(&format!("{},error\n", names.join(",")))?;
     }
     let (mut frames, mut failed) = (0_usize, 0_usize);
-    for object in records() {
+    for object in records(frame_columns) {
         let (number, object) = object?;
         frames += 1;
         let inverse = object

@@ -9,12 +9,12 @@ use crate::{
     args,
     failure::Failure,
     input::{FileText, find_robot},
-    output,
+    output, terminal,
 };
 
 /// Prints a model, or the names of the built-in models.
 pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
-    let Some(name) = &options.model else { return output::print(&robots_table()) };
+    let Some(name) = &options.model else { return output::print(&robots_table(terminal::width())) };
     let robot = find_robot(name)?;
     if options.json {
         let profile = if options.all { robot.to_full_profile() } else { robot.to_profile() };
@@ -27,7 +27,7 @@ pub(crate) fn run(options: &args::Robot) -> Result<(), Failure> {
     if let Some(path) = &options.check {
         return check(&robot, path, options.tip.as_deref());
     }
-    output::print(&robot_sheet(&robot))
+    output::print(&robot_sheet(&robot, terminal::width()))
 }
 
 fn check(robot: &Robot, path: &Path, tip: Option<&str>) -> Result<(), Failure> {

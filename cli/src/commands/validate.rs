@@ -6,7 +6,7 @@ use iiwa_plan::PlanOptions;
 use iiwa_report::{ValidationReport, with_causes};
 use iiwa_traj::SweepOptions;
 
-use crate::{args::Validate, failure::Failure, input, output};
+use crate::{args::Validate, failure::Failure, input, output, terminal};
 
 /// Plans the program, compares the recording with the plan and prints the figures.
 pub(crate) fn run(options: &Validate) -> Result<(), Failure> {
@@ -29,5 +29,9 @@ pub(crate) fn run(options: &Validate) -> Result<(), Failure> {
         &plan.figures(),
         &comparison,
     );
-    if options.json { output::print_json(&report) } else { output::print(&report.text()) }
+    if options.json {
+        output::print_json(&report)
+    } else {
+        output::print(&report.text(terminal::width()))
+    }
 }

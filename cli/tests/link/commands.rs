@@ -47,7 +47,9 @@ fn the_robot_tells_of_itself() {
         let listed = io(&["list", "--json"]).success();
         let listed: Vec<serde_json::Value> =
             serde_json::from_slice(&listed.get_output().stdout).unwrap();
-        let led = serde_json::json!({ "name": "MediaFlange.LEDBlue", "direction": "output", "value": false });
+        let led = serde_json::json!({
+            "name": "MediaFlange.LEDBlue", "direction": "output", "value": false
+        });
         assert!(listed.len() == 11 && listed.contains(&led), "{listed:?}");
         io(&["get", "MediaFlange.LEDBlue"]).success().stdout("false\n");
         io(&["set", "MediaFlange.LEDBlue", "true"]).success().stdout("true\n");
@@ -318,7 +320,8 @@ fn motions_that_are_not_understood_come_with_advice() {
         let rig = Rig::new();
         let wait = r#"{"type": "wait", "seconds": 0}"#;
         let text = format!(
-            r#"{{"version": 1, "start": {{"joints_deg": [0, 0, 0, 0, 0, 0, 0]}}, "motions": [{}]}}"#,
+            r#"{{"version": 1, "start": {{"joints_deg": [0, 0, 0, 0, 0, 0, 0]}},
+                "motions": [{}]}}"#,
             vec![wait; 5001].join(",")
         );
         std::fs::write(rig.path("many.json"), text).unwrap();

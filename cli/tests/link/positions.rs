@@ -97,7 +97,7 @@ fn positions_become_a_program() {
         let kept = fs::read_to_string(rig.path("positions.json")).unwrap();
         for (from, to, why) in [
             ("\"version\": 1", "\"version\": 2", "version 1 is understood"),
-            ("lbr_iiwa_7_r800", "lbr_iiwa_14_r820", "not of lbr_iiwa_7_r800"),
+            ("lbr_iiwa_7_r800", "lbr_iiwa_14_r820", "but the twin follows lbr_iiwa_7_r800"),
             ("\"home\"", "\"<b>there</b>\"", "there is a position"),
             ("\"name\"", "\"names\"", "did you mean `name`?"),
             ("{", "", "line 2"),

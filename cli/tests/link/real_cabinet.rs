@@ -161,7 +161,8 @@ fn a_low_override_and_t1_are_warned_of() {
     let done = AtomicBool::new(false);
     thread::scope(|scope| {
         scope.spawn(|| {
-            let state = br#"{"boot": 1, "state": "idle", "conditions": {"operation_mode": "t1", "override": 0.3}}"#;
+            let state = br#"{"boot": 1, "state": "idle",
+                "conditions": {"operation_mode": "t1", "override": 0.3}}"#;
             while !done.load(Ordering::Relaxed) {
                 program.send(&[b"", state]).unwrap();
                 program.receive(LONG).unwrap();

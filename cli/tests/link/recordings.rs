@@ -17,7 +17,8 @@ fn program(waits: usize) -> String {
         .into_iter()
         .chain([r#"{ "type": "wait", "seconds": 86400 }"#].repeat(waits));
     format!(
-        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }}, "motions": [{}] }}"#,
+        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }},
+            "motions": [{}] }}"#,
         motions.collect::<Vec<_>>().join(", ")
     )
 }

@@ -32,7 +32,8 @@ pub(crate) fn start(rig: &Rig, options: &[&str]) -> (Process, Address) {
 /// Returns a program from the zero pose with these motions.
 pub(crate) fn program(motions: &str) -> Value {
     let text = format!(
-        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{motions}] }}"#
+        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }},
+            "motions": [{motions}] }}"#
     );
     json!({ "name": "a program.json", "text": text })
 }
@@ -229,9 +230,9 @@ fn nothing_can_be_sent_after_a_broken_file() {
 }
 
 /// Target with a turn that differs from that of its joint positions.
-const ODD: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] }, "motions": [
-    { "type": "ptp", "frame": { "x_mm": 500, "y_mm": 100, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0,
-      "e1_deg": 0, "status": 2, "turn": 127 } }] }"#;
+const ODD: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+    "motions": [{ "type": "ptp", "frame": { "x_mm": 500, "y_mm": 100, "z_mm": 400,
+        "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0, "status": 2, "turn": 127 } }] }"#;
 
 #[test]
 fn invalid_programs_are_not_sent() {
@@ -352,8 +353,8 @@ fn a_way_to_the_start_that_is_too_near_is_not_taken() {
         let mut page = address.page();
         page.wait_for("live", |live| live["joints_rad"][0].is_number());
         // From one side of the post to the other.
-        let text = r#"{ "version": 1, "start": { "joints_deg": [60, 88, 0, 0, 0, 0, 0] }, "motions": [
-        { "type": "ptp", "joints_deg": [70, 88, 0, 0, 0, 0, 0] }] }"#;
+        let text = r#"{ "version": 1, "start": { "joints_deg": [60, 88, 0, 0, 0, 0, 0] },
+            "motions": [{ "type": "ptp", "joints_deg": [70, 88, 0, 0, 0, 0, 0] }] }"#;
         let plan = load(&address, &mut page, &json!({ "name": "p.json", "text": text }));
         assert_eq!(plan["refused"], Value::Null);
         let why =

@@ -265,7 +265,10 @@ fn long_requests(to: SocketAddr, body: &[u8], shutdown: &AtomicBool) {
             while !shutdown.load(Ordering::Relaxed)
                 && since.elapsed() < Duration::from_secs(10)
                 && peer.stream.set_nonblocking(true).is_ok()
-                && matches!(peer.stream.peek(&mut [0]), Err(error) if error.kind() == io::ErrorKind::WouldBlock)
+                && peer
+                    .stream
+                    .peek(&mut [0])
+                    .is_err_and(|error| error.kind() == io::ErrorKind::WouldBlock)
             {
                 thread::sleep(Duration::from_millis(10));
             }
@@ -288,7 +291,8 @@ fn garbage(bytes: usize) -> Vec<u8> {
 /// Returns a well-formed trajectory at rest far from the arm: it is rejected after parsing.
 pub(super) fn trajectory(bytes: usize) -> Vec<u8> {
     // At full precision, as programs write numbers.
-    let point = b"[2.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234],";
+    let point = b"[2.012345678901234,1.012345678901234,1.012345678901234,1.012345678901234,\
+        1.012345678901234,1.012345678901234,1.012345678901234],";
     let stamp = |i: usize| format!("{:.3},", 0.004 * i as f64);
     let count = (bytes - 1000) / (point.len() + 9);
     let mut text = br#"{"type": "run_trajectory", "trajectory": {"t_s": ["#.to_vec();

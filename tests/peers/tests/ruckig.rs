@@ -78,7 +78,8 @@ fn ruckig(start: &Joints, ptp: &Ptp) -> (f64, f64) {
     (duration_s, astray)
 }
 
-/// Where several joints decide, ruckig may leave the line without a word: these do not count.
+/// Ruckig may leave the line without an error if several joints limit the motion: such motions do
+/// not count.
 #[test]
 fn as_ruckig_does_where_it_stays_on_the_line() {
     let moves = random_moves(200);

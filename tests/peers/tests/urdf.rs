@@ -115,7 +115,7 @@ fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(*origin.xyz), rotation)
 }
 
-/// How far `point` is from the inside of `shape`, in m.
+/// Distance of `point` from the inside of `shape`, in m.
 fn distance(shape: &urdf_rs::Visual, link: &Isometry3<f64>, point: Point3<f64>) -> f64 {
     let p = (link * isometry(&shape.origin)).inverse_transform_point(&point);
     match shape.geometry {
@@ -170,7 +170,8 @@ proptest! {
         let mut read = urdf_rs::read_from_string(&robot.to_urdf()).unwrap();
         for (j, shift) in shifts.into_iter().enumerate() {
             let [roll, pitch, yaw] = *read.joints[j].origin.rpy;
-            let along = Rotation3::from_euler_angles(roll, pitch, yaw) * Vector3::new(0.0, 0.0, shift);
+            let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);
+            let along = rotation * Vector3::new(0.0, 0.0, shift);
             for i in 0..3 {
                 read.joints[j].origin.xyz[i] += along[i];
             }

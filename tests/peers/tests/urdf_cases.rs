@@ -64,13 +64,13 @@ const BOTH_REFUSE: &[Case] = &[
     case(
         "\"iiwa_joint_4\"",
         "\"&a;\"",
-        Ours::Refuses("unrecognized entity `a`"),
+        Ours::Refuses("the entity &a; is defined by a document type"),
         Theirs::RefusesXml("Found invalid entity"),
     ),
     case(
         " type=\"revolute\"",
         " type=\"revolute\" type=\"fixed\"",
-        Ours::Refuses("the attribute type is there twice"),
+        Ours::Refuses("the attribute type appears twice"),
         Theirs::RefusesXml("Duplicate attribute"),
     ),
     case(
@@ -112,7 +112,7 @@ const BOTH_REFUSE: &[Case] = &[
     case(
         "<axis xyz=\"0 0 1\"/>",
         "<axis xyz=\"0 0 1\"/><axis xyz=\"0 0 1\"/>",
-        Ours::Refuses("the axis of joint \"iiwa_joint_4\" is here for the second time"),
+        Ours::Refuses("the axis of joint \"iiwa_joint_4\" appears twice"),
         Theirs::Refuses("duplicate field `axis`"),
     ),
     case(
@@ -168,13 +168,13 @@ const ONLY_THEIRS_READS: &[Case] = &[
     case(
         "</robot>",
         "<link name='iiwa_link_4'/></robot>",
-        Ours::Refuses("link \"iiwa_link_4\" is here for the second time"),
+        Ours::Refuses("link \"iiwa_link_4\" appears twice"),
         Theirs::Reads(|robot| robot.links[4].name == robot.links[9].name),
     ),
     case(
         "\"iiwa_joint_4\"",
         "\"iiwa_joint_3\"",
-        Ours::Refuses("joint \"iiwa_joint_3\" is here for the second time"),
+        Ours::Refuses("joint \"iiwa_joint_3\" appears twice"),
         Theirs::Reads(|robot| robot.joints[2].name == robot.joints[3].name),
     ),
     case(

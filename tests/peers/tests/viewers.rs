@@ -180,7 +180,7 @@ fn late_viewers_get_the_description_and_the_last_state() {
     assert_eq!(arrived.time_ns, nanoseconds(since_1970(at(Duration::from_secs(1)))));
 }
 
-/// Whether a value fits a schema, in the subset of JSON Schema that viewers support.
+/// Asserts that a value fits a schema, in the subset of JSON Schema that viewers support.
 fn assert_fits(value: &Value, schema: &Value) {
     match schema["type"].as_str().unwrap() {
         "object" => {
@@ -303,7 +303,11 @@ fn viewers_only_read() {
 fn viewers_receive_errors() {
     let viewers = listen();
     let mut viewer = subscriber(&viewers, &["/tf"]);
-    let subscribe = |id: u64, channel: u64| json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": channel }] });
+    let subscribe = |id: u64, channel: u64| {
+        json!({
+            "op": "subscribe", "subscriptions": [{ "id": id, "channelId": channel }]
+        })
+    };
     let (tf, sensors) = (viewer.channels["/tf"].id, viewer.channels["/sensors"].id);
     for (message, expected) in [
         (subscribe(9, 99).to_string(), "unknown channel 99"),

@@ -4,8 +4,9 @@
 //!
 //! ```text
 //! bench realtime                 10 s at 5 ms, 10 s at 1 ms
-//! bench realtime --full          10 minutes at 5 ms, 2 minutes at 1 ms, the same with ten subscribers, and
-//!                                2 minutes of each without real-time priority for the drive
+//! bench realtime --full          10 minutes at 5 ms, 2 minutes at 1 ms, the same with ten
+//!                                subscribers, and 2 minutes of each without real-time priority for
+//!                                the drive
 //! bench realtime --period 1 --seconds 60 [--subscribers] [--ordinary]
 //! ```
 //!

@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<ExitCode> {
         [] => {
             println!("On {}, {}.\n", machine::processor(), machine::instruction_level());
             print_table(Timing::Acceleration(SweepOptions::default()), &MOTIONS)?;
-            println!("\nUnder limits of jerk:\n");
+            println!("\nUnder jerk limits:\n");
             print_table(Timing::jerk_limited(), &JERK_MOTIONS)?;
         }
         ["--case", timing, file] => {

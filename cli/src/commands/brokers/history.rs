@@ -8,13 +8,14 @@ use iiwa_bridge::{
     kafka::reader::{KafkaReader, Selection},
 };
 use iiwa_json::printable;
-use iiwa_report::table;
+use iiwa_plan::is_above;
+use iiwa_report::{fitted, table};
 
 use crate::{
     args,
     broker_access::{failure, kafka_connection},
     failure::{Failure, print_note},
-    output,
+    output, terminal,
 };
 
 /// Prints the history, and applies the gates.
@@ -61,8 +62,10 @@ pub(crate) fn reader(
 fn judge(history: &History, max_drift: Option<f64>) -> Result<(), Failure> {
     let Some(limit) = max_drift else { return Ok(()) };
     let slower = history.programs.iter().filter_map(|program| {
-        let percent =
-            program.drift.map(|drift| drift.percent).filter(|percent| *percent > limit)?;
+        let percent = program.drift.as_ref()?.percent;
+        if !is_above(percent, limit, 1) {
+            return None;
+        }
         Some(format!("{} on {} by {percent:.1} %", name(program), printable(&program.robot)))
     });
     let slower: Vec<_> = slower.collect();
@@ -106,5 +109,5 @@ fn text(history: &History) -> String {
             program.trend(),
         ]);
     }
-    format!("{rows}\n")
+    format!("{}\n", fitted(rows, terminal::width()))
 }

@@ -34,6 +34,7 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
     config.instructions = options.instructions.to_string();
     config.state = options.state.to_string();
     config.without_times = options.without_times;
+    config.signals.clone_from(&options.signals);
     config.faults = Faults::default()
         .with_packet_loss(faults.packet_loss / 100.0)
         .with_delay_cycles(faults.delay);
@@ -58,7 +59,7 @@ pub(crate) fn run(options: &args::Cabinet) -> Result<(), Failure> {
             cabinet.silence(FAULT);
         }
         if dropped.is_due() {
-            tracing::info!("fault: the session of FRI is dropped for {FAULT:?}");
+            tracing::info!("fault: the FRI session is dropped for {FAULT:?}");
             cabinet.drop_session(FAULT.as_secs_f64());
         }
     });

@@ -1,13 +1,13 @@
 //! `iiwasim io`.
 
 use iiwa_json::printable;
-use iiwa_report::table;
+use iiwa_report::{fitted, table};
 
 use crate::{
     args::{DriveAddress, IoAction},
     connection,
     failure::Failure,
-    output,
+    output, terminal,
 };
 
 /// Prints all inputs and outputs, or the value of one; for `set` the new value.
@@ -36,5 +36,5 @@ fn list(drive: &DriveAddress, json: bool) -> Result<(), Failure> {
         let (name, direction) = (printable(&signal.name), signal.direction.name().to_owned());
         table.add_row([name, direction, signal.value.to_string()]);
     }
-    output::print(&format!("{table}\n"))
+    output::print(&format!("{}\n", fitted(table, terminal::width())))
 }

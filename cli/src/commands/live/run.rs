@@ -14,10 +14,14 @@ use iiwa_link::{
 };
 use iiwa_log::Config;
 use iiwa_plan::{PlanFigures, PlanGates, PlanOptions};
-use iiwa_report::{RunReport, add_clearances, plan_table, warning_lines};
+use iiwa_program::{IoEntry, Program};
+use iiwa_report::{RunReport, add_clearances, carried, plan_table, warning_lines};
 use iiwa_scene::ArmInScene;
 use iiwa_traj::Timing;
-use iiwa_twin::runs::{began, label, longest_log, now, since_start};
+use iiwa_twin::{
+    run_parts::{RunPart, check_signals, parts},
+    runs::{began, label, longest_log, now, since_start},
+};
 
 use crate::{
     args::Run,
@@ -26,7 +30,11 @@ use crate::{
     input, output,
     output_kind::OutputKind,
     progress::Progress,
-    runner::{connect, execute_with_progress, go_to_start, hint, recording, sampled},
+    runner::{
+        connect, execute_parts_with_progress, execute_with_progress, go_to_start, hint, recording,
+        sampled,
+    },
+    terminal,
 };
 
 /// Runs a program on the robot.
@@ -35,6 +43,7 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     // Set-points sent by the drive must keep strict jerk limits.
     let timing = if options.as_trajectory { Timing::jerk_limited() } else { Timing::default() };
     input.request.options = PlanOptions::with_timing(timing);
+    let parts = parts_with_io(options, &input.source.program)?;
     let target = target(options)?;
     let scene = options.scene.as_deref().map(input::scene).transpose()?;
     output::catch_interrupts();
@@ -42,7 +51,8 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     let (robot, trajectory) = (plan.robot(), &plan.trajectory);
     let mut figures = plan.figures();
     if let Some(scene) = &scene {
-        let arm = ArmInScene::new(robot, scene);
+        let shapes = carried(&input.source).map_err(|error| input.to_failure(&error))?;
+        let arm = ArmInScene::new(robot, scene).carrying(&shapes);
         trajectory
             .sections()
             .iter()
@@ -64,26 +74,35 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     }
     let mut line = connect(&options.drive, &options.stream)?;
     if !options.json {
-        output::print(&plan_table(&figures))?;
+        output::print(&plan_table(&figures, terminal::width()))?;
     }
     check_clearance(options, &figures)?;
+    let sources = input.source.program.sources.clone();
     let request = if options.as_trajectory {
         Request::trajectory(sampled(trajectory)?)
     } else {
         Request::motions(Arc::unwrap_or_clone(input.source.program))
     };
-    let request = request.labelled(label(&stem(options), &figures, robot));
+    let label = label(&stem(options), &figures, robot);
+    let request = request.labelled(label.clone());
+    if let Some(parts) = &parts {
+        check_signals(&mut line, parts, &sources)
+            .map_err(|error| connection::failed("the robot cannot run the program", &error))?;
+    }
     go_to_start(&mut line, options.move_to_start, trajectory.path().start_rad(), robot)?;
     output::check_interrupt()?;
 
-    let watched =
-        execute_with_progress(&mut line, &request, trajectory.cycle_time_s(), Progress::of_run());
+    let planned_s = trajectory.cycle_time_s();
+    let watched = match &parts {
+        Some(parts) => execute_parts_with_progress(&mut line, parts, &sources, &label, planned_s),
+        None => execute_with_progress(&mut line, &request, planned_s, Progress::of_run()),
+    };
     let (measured, failure) = match watched.result {
         Ok(measured) => (measured, None),
         Err(ClientError::Refused { mut refusal, run }) => {
             let run = run.map(|run| *run).unwrap_or_default();
             let verb = if run.samples.t_s.is_empty() { "run" } else { "finish" };
-            if !options.as_trajectory {
+            if !options.as_trajectory && parts.is_none() {
                 refusal.message.push_str(hint(&refusal));
             }
             let failed = ClientError::Refused { refusal, run: None };
@@ -101,6 +120,12 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
     if let Some(why) = &measured.untimed_because {
         print_note(&format!("No cycle time by the controller: {}\n", printable(why)));
     }
+    if measured.samples_left_out > 0 {
+        print_note(&format!(
+            "The recording has a gap: {} samples were too many to be stored\n",
+            measured.samples_left_out
+        ));
+    }
     let log = since_start(&measured, &watched.torques);
     let written = target.as_deref().filter(|_| !log.t_s.is_empty());
     if let (Some(output), Some(_)) = (output, written) {
@@ -116,6 +141,28 @@ pub(crate) fn run(options: &Run) -> Result<(), Failure> {
         output::print(&figures.text())?;
     }
     failure.map_or(Ok(()), Err)
+}
+
+/// Returns the parts of a program with inputs and outputs; `None` for other programs.
+fn parts_with_io(options: &Run, program: &Program) -> Result<Option<Vec<RunPart>>, Failure> {
+    let Some((motion, _)) = program.entries().find(|(_, entry)| entry.io().is_some()) else {
+        return Ok(None);
+    };
+    let failed = |message: &str| Err(Failure::input(program.sources.in_message(message)));
+    if options.as_trajectory {
+        return failed(&format!(
+            "motion {motion} is an input or output, which a trajectory lacks; run the program \
+             without --as-trajectory"
+        ));
+    }
+    match parts(program) {
+        Ok(parts) => Ok(Some(parts)),
+        Err((motion, IoEntry { io, .. })) => failed(&format!(
+            "motion {motion} uses `{}` while the robot moves (`overlap`), which a drive cannot do; \
+             remove the overlap, or run the program in Sunrise (`iiwasim export`)",
+            printable(&io)
+        )),
+    }
 }
 
 /// Returns the file of the recording, if one is written. A default name never overwrites a file.

@@ -52,7 +52,8 @@ pub(crate) fn run(options: &args::Twin) -> Result<(), Failure> {
     let (robot, names) = (with.robot.clone(), with.names.clone());
     let setup = Setup::new(with)?;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, options.port)).map_err(|error| {
-        let message = format!("cannot listen at port {}; --port 0 takes a free one", options.port);
+        let message =
+            format!("cannot listen at port {}; --port 0 selects a free port", options.port);
         Failure::run(message, &error)
     })?;
     let address =

@@ -9,7 +9,7 @@ use std::{
 };
 
 use iiwa_json::printable;
-use iiwa_report::{PlannedTimes, Summary, SummaryRow, warning_lines};
+use iiwa_report::{PlannedTimes, ProgramErrors, Summary, SummaryRow, warning_lines};
 use iiwa_scene::Scene;
 use rayon::{
     ThreadPoolBuilder,
@@ -18,7 +18,6 @@ use rayon::{
 use serde::Serialize;
 
 use super::{
-    answer::PlanAnswer,
     programs::{self, PlanJob},
     work::{PlanOutcome, gates, scene, write},
 };
@@ -27,6 +26,7 @@ use crate::{
     failure::{self, Failure},
     input, output,
     progress::Progress,
+    terminal,
 };
 
 /// Plans all given programs, and those in the given folders.
@@ -109,7 +109,7 @@ fn plan(
     };
     let planned = input::program(&job.program, options.robot.as_deref())
         .and_then(|input| write(options, scene, input, job.target.as_deref(), alive))
-        .and_then(|planned| ProgramOutcome::planned(options, job, &name, &planned));
+        .and_then(|planned| ProgramOutcome::planned(options, &name, planned));
     planned.unwrap_or_else(|failure| ProgramOutcome::failed(options, name, failure))
 }
 
@@ -126,30 +126,23 @@ struct ProgramOutcome {
 #[derive(Serialize)]
 struct FailedProgram<'a> {
     program: &'a str,
-    error: String,
+    #[serde(flatten)]
+    errors: ProgramErrors,
 }
 
 impl ProgramOutcome {
-    fn planned(
-        options: &Plan,
-        job: &PlanJob,
-        name: &str,
-        PlanOutcome { figures, warnings }: &PlanOutcome,
-    ) -> Result<Self, Failure> {
-        let line = || {
-            let output = job.target.as_deref().map(|file| file.display().to_string());
-            output::json_line(&PlanAnswer { program: Some(name), figures, output, warnings })
-        };
-        let gates = gates(options).judge(figures);
+    fn planned(options: &Plan, name: &str, planned: PlanOutcome) -> Result<Self, Failure> {
+        let planned = PlanOutcome { program: Some(name.to_owned()), ..planned };
+        let gates = gates(options).judge(&planned.figures);
         let complain = |how| Failure::Gate(format!("{} {how}", printable(name))).text();
-        let warnings = warning_lines(warnings, Some(name));
+        let warnings = warning_lines(&planned.warnings, Some(name));
         let complaint = warnings + &gates.complaint().map(complain).unwrap_or_default();
         Ok(Self {
-            line: options.json.then(line).transpose()?,
+            line: options.json.then(|| output::json_line(&planned)).transpose()?,
             complaint: Some(complaint).filter(|complaint| !complaint.is_empty()),
             row: SummaryRow {
                 program: name.to_owned(),
-                times: Some(PlannedTimes::from(figures)),
+                times: Some(PlannedTimes::from(&planned.figures)),
                 too_long: gates.too_long.is_some(),
                 too_near: gates.too_near.is_some(),
                 overloaded: gates.overloaded.is_some(),
@@ -160,9 +153,9 @@ impl ProgramOutcome {
     fn failed(options: &Plan, name: String, failure: Failure) -> Self {
         let failure = failure.about(&name);
         let line =
-            || output::json_line(&FailedProgram { program: &name, error: failure.message() });
+            || output::json_line(&FailedProgram { program: &name, errors: failure.errors() });
         Self {
-            // Two texts can always be serialised.
+            // Texts and numbers can always be serialised.
             line: options.json.then(line).and_then(Result::ok),
             complaint: Some(failure.text()),
             row: SummaryRow::failed(name),
@@ -209,7 +202,7 @@ impl OutcomePrinter {
 /// Prints the table; fails if programs failed or gates are violated.
 fn report(options: &Plan, summary: &Summary) -> Result<(), Failure> {
     if !options.json {
-        let mut text = summary.text();
+        let mut text = summary.text(terminal::width());
         if summary.failed() < summary.programs() && !options.no_output {
             let folder = options.output.as_deref().unwrap_or(Path::new("the current folder"));
             let _ = writeln!(text, "Trajectories in {}", folder.display());

@@ -1,17 +1,23 @@
 //! Programs to plan, and the files of their trajectories.
 
 use std::{
-    collections::HashMap,
+    collections::{BTreeMap, HashMap},
     ffi::OsStr,
     fs, io,
     path::{Path, PathBuf},
 };
 
-use iiwa_files::destination;
+use iiwa_files::{destination, read_text};
+use iiwa_json::printable;
 
-use crate::{args::Plan, failure::Failure, file_kind::JsonKind};
+use crate::{
+    args::Plan,
+    failure::{Failure, print_note},
+    file_kind::JsonKind,
+    input::is_stdin,
+};
 
-use super::target::{file_name, is_stdin};
+use super::work::file_name;
 
 /// Program, and the file of its trajectory, if one is written.
 pub(super) struct PlanJob {
@@ -47,20 +53,25 @@ pub(super) fn jobs(options: &Plan, given: &[PathBuf]) -> Result<Vec<PlanJob>, Fa
 
 /// Lists the programs directly in a folder, sorted by name: its files `*.json`, as a shell lists
 /// them, except robot profiles and included files, which are beside the programs that name them,
-/// and scenes.
-fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+/// scenes and JSON Schemas. A note names the files that are left out.
+pub(in crate::commands) fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let to_failure = |error: io::Error| {
         Failure::input(format!("cannot read the folder {}: {error}", folder.display()))
     };
     let mut names = Vec::new();
+    let mut left_out = BTreeMap::new();
     for entry in fs::read_dir(folder).map_err(to_failure)? {
         let name = entry.map_err(to_failure)?.file_name();
         let hidden = name.as_encoded_bytes().starts_with(b".");
         let path = folder.join(&name);
         // A broken link is kept, so that it is reported as a program that cannot be read.
         let is_file = path.metadata().map_or(true, |kind| kind.is_file());
-        if !hidden && path.extension() == Some(OsStr::new("json")) && is_file && !is_other(&path) {
-            names.push(name);
+        if hidden || path.extension() != Some(OsStr::new("json")) || !is_file {
+            continue;
+        }
+        match other_kind(&path) {
+            Some(kind) => drop(left_out.insert(name, kind)),
+            None => names.push(name),
         }
     }
     #[cfg(feature = "sunrise")]
@@ -73,19 +84,26 @@ fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     }
     if names.is_empty() {
         return Err(Failure::input(format!(
-            "the folder {} has no programs: files *.json that are no robot profiles, no scenes and \
-             not to be included",
+            "the folder {} has no programs: files *.json other than robot profiles, scenes, JSON \
+             Schemas and files to include",
             folder.display()
         )));
+    }
+    for (name, (kind, fault)) in left_out {
+        let path = folder.join(name);
+        let fault = fault.map(|fault| format!(", with a fault: {fault}")).unwrap_or_default();
+        let note = format!("{} is a {}, and is not planned{fault}", path.display(), kind.name());
+        print_note(&format!("Note: {}\n", printable(&note)));
     }
     names.sort();
     Ok(names.into_iter().map(|name| folder.join(name)).collect())
 }
 
-/// Returns true for a robot profile, a scene or a file to include.
-fn is_other(path: &Path) -> bool {
-    fs::read_to_string(path)
-        .is_ok_and(|text| JsonKind::of(&text).is_some_and(|kind| kind != JsonKind::Program))
+/// Returns the kind of a file that is not a program, with its fault, if it has one.
+fn other_kind(path: &Path) -> Option<(JsonKind, Option<String>)> {
+    let text = read_text(path).ok()?;
+    let kind = JsonKind::of(&text).filter(|kind| *kind != JsonKind::Program)?;
+    Some((kind, kind.fault(&text)))
 }
 
 /// Rejects duplicate programs.

@@ -27,7 +27,12 @@ impl Tables {
                 Err(error) => Err(Failure::from(output.failure(error))),
             }
         };
-        let csv = options.csv.as_deref().map(|path| begin(path, OutputKind::Csv, PlanTable::csv));
+        let csv: Begin = if options.exact {
+            |stream, rate_hz| PlanTable::csv(stream, rate_hz).map(PlanTable::exact)
+        } else {
+            PlanTable::csv
+        };
+        let csv = options.csv.as_deref().map(|path| begin(path, OutputKind::Csv, csv));
         let parquet = options
             .parquet
             .as_deref()

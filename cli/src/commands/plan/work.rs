@@ -1,15 +1,16 @@
 //! Planning of one program, with its file and its picture.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bytesize::ByteSize;
 use iiwa_files::interrupt;
 use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
 use iiwa_path::PathOptions;
 use iiwa_plan::{PlanFigures, PlanGates, PlanOptions, Planning, ProgramSource};
-use iiwa_report::{PlanPicture, add_clearances, long_duration};
-use iiwa_scene::{ArmInScene, Scene};
+use iiwa_report::{PlanPicture, add_clearances, carried, long_duration};
+use iiwa_scene::{ArmInScene, CarriedBodies, Scene};
 use iiwa_traj::SweepOptions;
+use serde::Serialize;
 
 use crate::{
     args::Plan,
@@ -31,9 +32,17 @@ pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
     options.scene.as_deref().map(input::scene).transpose()
 }
 
-/// Figures of a plan, and warnings about the program.
+/// Result of a planned program, as `--json` prints it.
+#[derive(Serialize)]
 pub(super) struct PlanOutcome {
+    /// Program, if there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) program: Option<String>,
+    #[serde(flatten)]
     pub(super) figures: PlanFigures,
+    /// Path of the trajectory's file, if one is written.
+    pub(super) output: Option<String>,
+    /// Warnings about the program.
     pub(super) warnings: Vec<String>,
 }
 
@@ -55,6 +64,10 @@ pub(super) fn write(
     let robot = planning.robot().clone();
     let picture = options.picture.as_ref();
     let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&input.source.program));
+    let shapes = match scene {
+        Some(_) => carried(&input.source).map_err(|error| input.to_failure(&error))?,
+        None => CarriedBodies::default(),
+    };
     // Frees the memory of the program.
     let Input { name, source: ProgramSource { text, .. }, .. } = input;
     let to_failure = |error| Failure::program(&error, &name, text.as_read());
@@ -65,6 +78,7 @@ pub(super) fn write(
         Some(meshes) => ArmInScene::with_meshes(&robot, scene, meshes),
         None => ArmInScene::new(&robot, scene),
     });
+    let arm = arm.map(|arm| arm.carrying(&shapes));
 
     let output = target.map(|path| output::replacing(path, OutputKind::Trajectory)).transpose()?;
     let drawing = options.picture.as_deref().map(picture::output).transpose()?;
@@ -117,7 +131,19 @@ pub(super) fn write(
         whole.complete()?;
     }
     let (figures, warnings) = planning.finish();
-    Ok(PlanOutcome { figures, warnings })
+    let output = target.map(|file| file.display().to_string());
+    Ok(PlanOutcome { program: None, figures, output, warnings })
+}
+
+/// Returns the name of a program's MCAP file.
+pub(super) fn file_name(program: &Path) -> PathBuf {
+    let stem = match program.file_stem() {
+        Some(stem) if !input::is_stdin(program) => stem.to_owned(),
+        _ => "program".into(),
+    };
+    let mut name = stem;
+    name.push(".mcap");
+    PathBuf::from(name)
 }
 
 /// Returns the gates that the options set.

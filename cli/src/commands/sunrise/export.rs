@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use iiwa_files::write_folder;
 use iiwa_json::{JsonStep, locate, printable};
-use iiwa_program::MotionIndex;
+use iiwa_program::motion_path;
 use iiwa_sunrise::{ExportError, ExportOptions, ExportedProject};
 use serde::Serialize;
 
@@ -37,7 +37,9 @@ pub(crate) fn run(options: &Export) -> Result<(), Failure> {
     ];
     output::catch_interrupts();
     write_folder(folder, &files)?;
-    let notices: Vec<String> = project.notices.iter().map(ToString::to_string).collect();
+    let sources = &input.source.program.sources;
+    let notices = project.notices.iter().map(|notice| sources.in_message(&notice.to_string()));
+    let notices: Vec<String> = notices.collect();
     let start_deg = project.start_deg.map(|deg| deg.to_string()).join(",");
     if options.json {
         let files = files.map(|(path, _)| folder.join(path).display().to_string());
@@ -77,22 +79,25 @@ fn keep_existing(folder: &Path, overwrite: bool) -> Result<(), Failure> {
     output::keep_existing(OutputKind::Project, folder, overwrite || is_empty)
 }
 
-/// Converts an export error to a failure, with the place of the fault.
+/// Converts an export error to a failure, with the places of the faults.
 fn export_failure(error: &ExportError, input: &Input) -> Failure {
+    Failure::several(error.errors().iter().map(|error| one_failure(error, input)))
+}
+
+fn one_failure(error: &ExportError, input: &Input) -> Failure {
     let (name, text) = (&input.name, input.source.text.as_read());
-    let motion =
-        |motion: &MotionIndex| vec![JsonStep::Key("motions"), JsonStep::Index(motion.index())];
     let place = match error {
         ExportError::Fault(fault) => fault.place_in(text),
         ExportError::NotInSunrise { motion: index, key, .. } => {
-            let mut steps = motion(index);
+            let mut steps = motion_path(text, *index);
             steps.push(JsonStep::Key(key));
             locate(text, &steps)
         }
-        ExportError::Name { motion: Some(index), .. } => locate(text, &motion(index)),
+        ExportError::Name { motion: Some(index), .. } => locate(text, &motion_path(text, *index)),
         error => return Failure::input(format!("{name}: {error}{}", hint(error))),
     };
-    Failure::in_text(&error.to_string(), &place, name, text)
+    let message = input.source.program.sources.in_message(&error.to_string());
+    Failure::in_text(&message, &place, name, text)
 }
 
 /// Returns the option that resolves the error.

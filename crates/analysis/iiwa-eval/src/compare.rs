@@ -86,7 +86,7 @@ pub struct Comparison {
 
 impl Comparison {
     /// Returns the trace without its gaps: runs of consecutive samples, in order of time. A run
-    /// ends where the recording has a pause, or rests and is not in the trace.
+    /// ends where the recording has a gap, or where the arm is at rest outside of the trace.
     pub fn unbroken_trace(&self) -> impl Iterator<Item = &[TracePoint]> {
         /// Ratio of a step to the typical one above which it is a gap.
         const GAP: f64 = 5.0;
@@ -284,6 +284,12 @@ fn stands_elsewhere(
     Ok(())
 }
 
+/// Error for a rest that is recorded far from the plan's start or end.
+fn rests_elsewhere(unclear: &edge::Unclear, edge: &'static str) -> Option<CompareError> {
+    let (t_s, distance_rad) = unclear.rest_elsewhere?;
+    Some(CompareError::StandsElsewhere { edge, t_s, distance_rad })
+}
+
 /// Distance in time beyond an edge that is checked, in s.
 const BEYOND_S: f64 = 0.1;
 
@@ -313,11 +319,13 @@ impl PassingTimes {
         let last = legs.len() - 1;
         let departure = finder.edge(0, Side::Leaves).map_err(|unclear| {
             let (t_s, distance_rad) = (unclear.t_s, unclear.distance_rad);
-            CompareError::BeginsInMotion { t_s, distance_rad }
+            rests_elsewhere(&unclear, "start")
+                .unwrap_or(CompareError::BeginsInMotion { t_s, distance_rad })
         })?;
         let arrival = finder.edge(last, Side::Arrives).map_err(|unclear| {
             let (t_s, distance_rad) = (unclear.t_s, unclear.distance_rad);
-            CompareError::DoesNotStop { t_s, distance_rad }
+            rests_elsewhere(&unclear, "end")
+                .unwrap_or(CompareError::DoesNotStop { t_s, distance_rad })
         })?;
         for (edge, name) in [(&departure, "start"), (&arrival, "end")] {
             let (from_s, to_s) = edge.gap_s;
@@ -331,11 +339,18 @@ impl PassingTimes {
                     to_s - from_s
                 ));
             }
+            if edge.offset_rad > edge::STANDS_RAD {
+                losses.push(format!(
+                    "the arm is at rest {:.2} deg from the plan's {name}: times count from its \
+                     recorded rest, and the path deviation contains the offset",
+                    edge.offset_rad.to_degrees()
+                ));
+            }
             if !edge.stands {
                 stands_elsewhere(plan, log, edge, name)?;
                 losses.push(format!(
-                    "the recording does not show the arm at rest at the {name} of the motion: it is \
-                     assumed to be at rest where the plan is"
+                    "the recording does not show the arm at rest at the {name} of the motion: it \
+                     is assumed to be at rest where the plan is"
                 ));
             }
         }
@@ -405,7 +420,10 @@ impl PassingTimes {
             let real_s = real.map(|(from, to)| to - from);
             MotionTime {
                 motion: start.motion,
-                motion_type: if waits { MotionType::Wait } else { plan.motion_type(start.motion) },
+                motion_type: match plan.motion_type(start.motion) {
+                    moving if waits && moving.moves() => MotionType::Wait,
+                    motion_type => motion_type,
+                },
                 planned_start_s,
                 planned_s,
                 real_start_s: real.map(|(from, _)| from - self.departure.t_s + first),

@@ -3,9 +3,9 @@
 use iiwa_kin::{Dynamics, Joints};
 use iiwa_log::JointLog;
 
-/// Returns the torques exerted by the joints, in Nm, sample by sample, and true if their sign had
-/// to be changed because the file already has the sign of plans: KUKA's controller measures the
-/// opposite sign, and other recorders invert it. None without torques.
+/// Returns the torques exerted by the joints, in Nm, sample by sample, and true if their sign was
+/// inverted because it is not that of the format: KUKA's controller measures the opposite sign of
+/// plans, and other recorders invert it. `None` without torques.
 ///
 /// Gravity reveals the sign: the recorded torques correlate positively with the gravity torques of
 /// `arm`, in the robot's mounting position, for any payload.

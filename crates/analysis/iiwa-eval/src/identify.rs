@@ -66,7 +66,7 @@ pub use self::{
 ///
 /// An override stretches the motions of a program, so that speeds scale with the override,
 /// accelerations with its square, jerks with its cube and snaps with its fourth power. Results are
-/// for full override. Pauses are not scaled.
+/// for full override. Standstill is not scaled.
 ///
 /// # Errors
 ///

@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 /// Model with `N` parameters. Samples are visited one by one, so that residuals need no memory.
 pub(crate) trait FitModel<const N: usize> {
     /// Calls `each` for every sample with its residual (observed minus model) and the derivatives
-    /// of the model by its parameters.
+    /// of the model with respect to its parameters.
     fn samples(&self, parameters: &[f64; N], each: impl FnMut(f64, [f64; N]));
 
     /// Returns the lower bound of each parameter.

@@ -1,5 +1,5 @@
-//! Comparison of plans with recordings of the KUKA LBR iiwa, and identification of its limits from
-//! recordings.
+//! Comparison of plans with recordings of the KUKA LBR iiwa and with other plans, and
+//! identification of its limits from recordings.
 //!
 //! Angles are in rad, lengths in m, times in s. The crate has no network access and no file
 //! formats: its input are [`JointLog`](iiwa_log::JointLog)s, which `iiwa-log` reads.
@@ -16,6 +16,7 @@ mod least_squares;
 mod load_planning;
 mod local_cubic;
 mod noise;
+mod plan_difference;
 mod quantile;
 mod virtual_robot;
 
@@ -26,4 +27,5 @@ pub use compare::{
 pub use estimate::Estimate;
 pub use load_planning::LoadPlanning;
 pub use local_cubic::local_cubic;
+pub use plan_difference::{MotionDifference, PathChange, PlanDifference, PlanVersion};
 pub use virtual_robot::{VirtualRobot, VirtualRobotError};

@@ -74,7 +74,8 @@ impl LoadPlanning {
                         let mut motion = ptp.clone();
                         motion.acceleration_rel = motion.acceleration_rel.map(|rel| share * rel);
                         motion.blend = None;
-                        alone.motions = vec![Motion::Load(load), Motion::Ptp(motion)];
+                        let carried = Motion::Load(load.map(Into::into));
+                        alone.motions = vec![carried, Motion::Ptp(motion)];
                         let plan =
                             PlanOptions::with_timing(Timing::jerk_limited()).plan(&alone, robot)?;
                         let peaks = plan.torques().motions.into_iter().flat_map(|m| m.peak_rel);

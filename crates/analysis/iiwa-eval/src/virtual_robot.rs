@@ -1,4 +1,4 @@
-//! Simulated robot: runs programs and is sampled, as a real one is over FRI.
+//! Simulated robot: runs programs and records samples, as FRI does from a real robot.
 
 use fastrand_contrib::RngExt;
 use iiwa_kin::{Load, Robot};
@@ -43,8 +43,8 @@ pub enum VirtualRobotError {
     Plan(#[from] PlanError),
     /// The program has too many samples.
     #[error(
-        "it takes {seconds:.0} s, which is {samples:.0} samples, and {MAX_SAMPLES:.0} are kept: \
-         sample more slowly, or raise the robot's limits"
+        "the program takes {seconds:.0} s, which is {samples:.0} samples; the maximum is \
+         {MAX_SAMPLES:.0}: increase the sampling period, or raise the robot's limits"
     )]
     TooLong {
         /// Duration, in s.
@@ -55,8 +55,8 @@ pub enum VirtualRobotError {
 }
 
 impl VirtualRobot {
-    /// Creates a robot without noise and a sampling period of 1 ms. The same `seed` gives the same
-    /// noise.
+    /// Creates a robot without noise, with a sampling period of 1 ms. The same `seed` gives the
+    /// same noise.
     #[must_use]
     pub fn new(robot: Robot, seed: u64) -> Self {
         let random = fastrand::Rng::with_seed(seed);

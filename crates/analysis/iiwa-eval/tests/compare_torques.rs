@@ -8,7 +8,9 @@ use iiwa_traj::Timing;
 
 const PROGRAM: &str = r#"{ "version": 1,
     "mount": { "rpy_deg": [0, 90, 0] },
-    "tools": { "gripper": { "tcp": { "z_mm": 100 }, "load": { "mass_kg": 2, "center_mm": [0, 0, 60] } } }, "tool": "gripper",
+    "tools": { "gripper": { "tcp": { "z_mm": 100 },
+                            "load": { "mass_kg": 2, "center_mm": [0, 0, 60] } } },
+    "tool": "gripper",
     "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
     "motions": [
         { "type": "ptp", "joints_deg": [30, 50, 20, -40, 10, 70, 50] },

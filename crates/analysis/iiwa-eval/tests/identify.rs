@@ -299,6 +299,22 @@ fn nothing_is_identified_that_is_not_shown() {
     let model = Robot::default();
     assert_eq!(robot.blend_kappa(), model.blend_kappa());
     assert_eq!(robot.limits().velocity_rad_s[1..], model.limits().velocity_rad_s[1..]);
+    // They are listed as assumptions, with the source of their values.
+    for quantity in [
+        "velocity of A2, A3, A4, A5, A6, A7",
+        "acceleration of A2, A3, A4, A5, A7",
+        "jerk of A2, A3, A4, A5, A7",
+        "ramps of all joints",
+        "blend curve",
+        "friction",
+    ] {
+        assert!(robot.assumes(quantity), "{quantity}: {:?}", robot.assumptions());
+    }
+    assert!(!robot.assumes("settling time"));
+    assert!(robot.assumptions().last().unwrap().basis.ends_with("; taken from lbr_iiwa_7_r800"));
+    // The profile is the same as without them.
+    let read_back = Robot::from_profile(&robot.to_profile()).unwrap();
+    assert_eq!(read_back.limits(), robot.limits());
 
     // One corner has one angle, which does not determine a polynomial.
     let mut corner = ptp([60.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -375,7 +391,8 @@ fn closed_programs_are_followed() {
     let at = |dx: f64, dy: f64| {
         let (x, y) = (x + dx, y + dy);
         format!(
-            r#"{{ "type": "spl", "frame": {{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z}, "a_deg": {a}, "b_deg": {b}, "c_deg": {c} }} }}"#
+            r#"{{ "type": "spl", "frame": {{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z},
+                "a_deg": {a}, "b_deg": {b}, "c_deg": {c} }} }}"#
         )
     };
     let text = format!(

@@ -76,7 +76,7 @@ fn friction_and_loads_of_several_recordings_are_separated() {
     (empty.load, empty.noise_rad, empty.period_s) = (None, 1e-5, 0.001);
     let plain = program();
     let mut stating = plain.clone();
-    stating.motions.insert(0, Motion::Load(Some(Load { mass_kg: 4.0, ..LOAD })));
+    stating.motions.insert(0, Motion::Load(Some(Load { mass_kg: 4.0, ..LOAD }.into())));
     let logs = [empty.run(&plain).unwrap(), {
         empty.load = Some(LOAD);
         empty.run(&stating).unwrap()
@@ -136,7 +136,7 @@ fn figures_without_evidence_are_not_reported() {
 #[test]
 fn loads_that_change_are_not_mixed() {
     let mut program = program();
-    program.motions.insert(4, Motion::Load(Some(LOAD)));
+    program.motions.insert(4, Motion::Load(Some(LOAD.into())));
     let log = arm(3).run(&program).unwrap();
     let recordings = [RecordedRun { program: &program, log: &log }];
     let identified = identify(&recordings, &Robot::default()).unwrap();

@@ -8,4 +8,5 @@ mod identify_load;
 mod identify_ramps;
 mod identify_tcp;
 mod load_effect;
+mod plan_difference;
 mod tape;

@@ -6,10 +6,11 @@ use iiwa_kin::{Along, Joints, Pose, Robot, Solid};
 use parry3d_f64::{math::Vector, shape::SupportMap};
 
 use crate::{
+    carried::CarriedBody,
     hull::ConvexHull,
     links::{FIRST_LINK, TOOL},
-    placed::rotation,
     polyhedron::Polyhedron,
+    rotation::rotation,
     tool::{ToolForm, ToolShape},
 };
 
@@ -22,6 +23,8 @@ pub(crate) struct ArmPart {
     pub(crate) link: usize,
     /// Link number in results: the link, or [`TOOL`].
     pub(crate) shown: usize,
+    /// True for a part of a carried body, which is not always present.
+    pub(crate) is_carried: bool,
     /// Centre, in the link frame.
     center: Vector,
     /// Axis, in the link frame.
@@ -110,7 +113,16 @@ pub(crate) fn parts(robot: &Robot) -> Vec<ArmPart> {
                 Along::Z => Vector::Z,
             };
             let bound = form.bound();
-            parts.push(ArmPart { link, shown: link, center, axis, form, bound, reach });
+            parts.push(ArmPart {
+                link,
+                shown: link,
+                is_carried: false,
+                center,
+                axis,
+                form,
+                bound,
+                reach,
+            });
         }
     }
     parts
@@ -130,10 +142,25 @@ pub(crate) fn mesh_parts(robot: &Robot, hulls: &[Vec<ConvexHull>; 8]) -> Vec<Arm
             let bound = hull.bound(Vector::length);
             let form = Volume::Hull { sides: [Vector::X, Vector::Y], hull: Arc::new(hull) };
             let reach = reaches(&d, link, way, axis_distance);
-            ArmPart { link, shown: link, center, axis: Vector::Z, form, bound, reach }
+            ArmPart {
+                link,
+                shown: link,
+                is_carried: false,
+                center,
+                axis: Vector::Z,
+                form,
+                bound,
+                reach,
+            }
         })
     });
     plain.chain(meshed).collect()
+}
+
+/// Returns the parts of a carried body.
+pub(crate) fn carried_parts(robot: &Robot, body: &CarriedBody) -> impl Iterator<Item = ArmPart> {
+    let parts = tool_parts(robot, &body.shapes).into_iter();
+    parts.map(|part| ArmPart { shown: body.part, is_carried: true, ..part })
 }
 
 /// Returns the parts of a tool, which is given in the flange frame.
@@ -178,7 +205,8 @@ pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<ArmPart> {
             round => round,
         };
         let reach = reaches(&d, LAST_LINK, way, axis_distance);
-        ArmPart { link: LAST_LINK, shown: TOOL, center, axis: turn(Vector::Z), form, bound, reach }
+        let (link, axis) = (LAST_LINK, turn(Vector::Z));
+        ArmPart { link, shown: TOOL, is_carried: false, center, axis, form, bound, reach }
     };
     tool.iter().map(part).collect()
 }

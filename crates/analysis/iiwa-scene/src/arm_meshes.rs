@@ -7,7 +7,9 @@ use iiwa_kin::{Pose, Robot, UrdfError, UrdfMesh};
 
 use crate::{
     hull::{ConvexHull, NotSolid},
-    mesh::{Patch, TriangleMesh, TriangleMeshError},
+    mesh::TriangleMesh,
+    mesh_error::TriangleMeshError,
+    patch::Patch,
 };
 
 /// Largest extent of a link mesh, in m; the arm is 1.3 m long.

@@ -1,16 +1,20 @@
 //! Clearance of a pose.
 
-use std::{collections::HashSet, f64::consts::TAU, sync::Arc};
+use std::{collections::HashSet, f64::consts::TAU, ops::Range, sync::Arc};
 
 use iiwa_kin::{Joints, Robot, part_name};
+use iiwa_program::MotionIndex;
 use serde::Serialize;
 
 use crate::{
     arm::{self, ArmPart, PosedPart},
     arm_meshes::ArmMeshes,
-    distance::{Near, near, near_part},
-    links::{FIRST_LINK, MAY_TOUCH},
+    carried::{BodiesOfMotion, CarriedBodies},
+    distance::{Near, near, near_part, to_surface_part},
+    links::{FIRST_LINK, may_touch},
     placed::Placed,
+    placed_box::PlacedBox,
+    placed_mesh::SurfacePart,
     scene::Scene,
 };
 
@@ -20,7 +24,7 @@ use crate::{
 pub struct Clearance {
     /// Distance in m; 0 if the shapes touch or overlap.
     pub distance_m: f64,
-    /// Nearest link, 2 to 7, or 8 for the tool.
+    /// Nearest link, 2 to 7, 8 for the tool, or 9 for the workpiece.
     pub link: usize,
     /// Obstacle or link to which the distance applies.
     pub other: Other,
@@ -43,8 +47,9 @@ pub enum Other {
 
 /// Arm in a scene, prepared for clearances.
 ///
-/// The arm consists of the cylinders and spheres of [`Robot::link_shapes`], and of the scene's
-/// tool. Links 0 and 1 are not checked: they are fixed or rotate about their own axis only, so that
+/// The arm consists of the cylinders and spheres of [`Robot::link_shapes`], of the scene's tool,
+/// and of the shapes that a program [carries](Self::carrying). Links 0 and 1 are not checked: they
+/// are fixed or rotate about their own axis only, so that
 /// their distances never change, and the robot base may be mounted on an obstacle. For the same
 /// reason the shoulder is not checked against obstacles at a constant distance, such as the column
 /// below it, unless they touch. Pairs that the scene ignores are not checked either.
@@ -59,11 +64,17 @@ pub enum Other {
 pub struct ArmInScene {
     pub(crate) robot: Robot,
     scene: Arc<Scene>,
+    carried: Arc<CarriedBodies>,
+    /// Parts that are always present, then those of the carried bodies.
     pub(crate) parts: Arc<[ArmPart]>,
+    /// Number of parts that are always present.
+    always: usize,
+    /// Parts of each carried body.
+    body_parts: Arc<[Range<usize>]>,
     pub(crate) obstacles: Arc<[Placed]>,
     /// Flags for all pairs of a part and an obstacle, part by part: `true` if the pair is checked.
     counts: Arc<[bool]>,
-    /// Pairs of parts that are checked.
+    /// Pairs of parts that are checked, part by part.
     self_pairs: Arc<[Pair]>,
 }
 
@@ -78,6 +89,11 @@ pub(crate) struct Pair {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ClearanceTarget {
     Obstacle(usize),
+    /// Node of the surface of a mesh, and the index of this obstacle.
+    Surface {
+        obstacle: usize,
+        node: usize,
+    },
     Part(usize),
 }
 
@@ -107,6 +123,24 @@ impl ArmInScene {
         Self::of_parts(robot, scene, [parts, arm::tool_parts(robot, scene.tool())].concat())
     }
 
+    /// Returns the arm with the shapes that a program carries, in place of those that it carries
+    /// already. They count in the clearances of the program's motions, [of a
+    /// trajectory](Self::clearance_of) and [at a pose](Self::clearance_during), and as the tool in
+    /// the self-clearance.
+    #[must_use]
+    pub fn carrying(&self, carried: &CarriedBodies) -> Self {
+        let parts = self.parts.iter().filter(|part| !part.is_carried).cloned();
+        let mut parts = parts.collect::<Vec<_>>();
+        let ranges = carried.bodies().iter().map(|body| {
+            let first = parts.len();
+            parts.extend(arm::carried_parts(&self.robot, body));
+            first..parts.len()
+        });
+        let body_parts = ranges.collect();
+        let arm = Self::of_parts(&self.robot, &self.scene, parts);
+        Self { carried: Arc::new(carried.clone()), body_parts, ..arm }
+    }
+
     fn of_parts(robot: &Robot, scene: &Scene, parts: Vec<ArmPart>) -> Self {
         let obstacles: Arc<[Placed]> =
             scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect();
@@ -122,36 +156,65 @@ impl ArmInScene {
         });
         let counts = counts.collect();
         let may_touch = |part: usize, other: usize| {
-            parts[other].shown + MAY_TOUCH <= parts[part].shown
+            may_touch(parts[part].shown, parts[other].shown)
                 && !is_rigid(robot, &parts[part], &parts[other])
         };
+        // Parts that a carried body may touch are those of the arm.
+        let always = parts.iter().take_while(|part| !part.is_carried).count();
         let self_pairs = (0..parts.len()).flat_map(|part| {
-            let others = (0..parts.len()).filter(move |other| may_touch(part, *other));
+            let others = (0..always).filter(move |other| may_touch(part, *other));
             others.map(move |other| Pair { part, target: ClearanceTarget::Part(other) })
         });
         let self_pairs = self_pairs.collect();
         Self {
             robot: robot.clone(),
             scene: Arc::new(scene.clone()),
+            carried: Arc::default(),
             parts: parts.into(),
+            always,
+            body_parts: Arc::default(),
             obstacles,
             counts,
             self_pairs,
         }
     }
 
-    /// Returns the checked pairs, part by part.
-    pub(crate) fn pairs(&self, among: Among) -> impl Iterator<Item = Pair> {
+    /// Returns the shapes that a program carries.
+    pub(crate) fn carried(&self) -> &CarriedBodies {
+        &self.carried
+    }
+
+    /// Returns the bodies at the flange during a motion; none without a motion.
+    pub(crate) fn bodies_during(&self, motion: Option<MotionIndex>) -> BodiesOfMotion {
+        motion.map(|motion| self.carried.at(motion)).unwrap_or_default()
+    }
+
+    /// Returns the checked pairs with these bodies at the flange, part by part.
+    pub(crate) fn pairs(&self, among: Among, bodies: BodiesOfMotion) -> impl Iterator<Item = Pair> {
         let (obstacles, self_pairs) = match among {
             Among::Obstacles => (self.obstacles.len(), &[][..]),
             Among::OwnParts => (0, &*self.self_pairs),
         };
-        let of_scene = (0..self.parts.len()).flat_map(move |part| {
+        let present = self.present(bodies);
+        let of_scene = present.clone().into_iter().flatten().flat_map(move |part| {
             let counting = move |o: &usize| self.counts[part * obstacles + o];
             let pair = move |o| Pair { part, target: ClearanceTarget::Obstacle(o) };
             (0..obstacles).filter(counting).map(pair)
         });
-        of_scene.chain(self_pairs.iter().copied())
+        let self_pairs = present.into_iter().flat_map(move |parts| {
+            let [from, to] = [parts.start, parts.end]
+                .map(|part| self_pairs.partition_point(|pair| pair.part < part));
+            self_pairs[from..to].iter().copied()
+        });
+        of_scene.chain(self_pairs)
+    }
+
+    /// Returns the parts with these bodies at the flange, in order.
+    fn present(&self, bodies: BodiesOfMotion) -> [Range<usize>; 3] {
+        let [tool, workpiece] = bodies.present().map(|body| {
+            body.and_then(|body| self.body_parts.get(body).cloned()).unwrap_or_default()
+        });
+        [0..self.always, tool, workpiece]
     }
 
     /// Returns the scene.
@@ -164,22 +227,45 @@ impl ArmInScene {
     /// finite.
     #[must_use]
     pub fn clearance(&self, joints_rad: &Joints) -> Option<Clearance> {
-        self.clearance_among(Among::Obstacles, joints_rad)
+        self.clearance_among(Among::Obstacles, None, joints_rad)
     }
 
     /// Returns the smallest distance of two parts of the arm, including the tool, at `joints_rad`;
     /// none if a joint is not finite.
     #[must_use]
     pub fn self_clearance(&self, joints_rad: &Joints) -> Option<Clearance> {
-        self.clearance_among(Among::OwnParts, joints_rad)
+        self.clearance_among(Among::OwnParts, None, joints_rad)
     }
 
-    fn clearance_among(&self, among: Among, joints_rad: &Joints) -> Option<Clearance> {
+    /// Returns the clearance at `joints_rad` during a motion of the program whose shapes the arm
+    /// [carries](Self::carrying), as [`clearance`](Self::clearance) otherwise.
+    #[must_use]
+    pub fn clearance_during(&self, motion: MotionIndex, joints_rad: &Joints) -> Option<Clearance> {
+        self.clearance_among(Among::Obstacles, Some(motion), joints_rad)
+    }
+
+    /// Returns the self-clearance at `joints_rad` during a motion of the program whose shapes the
+    /// arm [carries](Self::carrying), as [`self_clearance`](Self::self_clearance) otherwise.
+    #[must_use]
+    pub fn self_clearance_during(
+        &self,
+        motion: MotionIndex,
+        joints_rad: &Joints,
+    ) -> Option<Clearance> {
+        self.clearance_among(Among::OwnParts, Some(motion), joints_rad)
+    }
+
+    fn clearance_among(
+        &self,
+        among: Among,
+        motion: Option<MotionIndex>,
+        joints_rad: &Joints,
+    ) -> Option<Clearance> {
         if !joints_rad.iter().all(|q| q.is_finite()) {
             return None;
         }
-        let bodies = self.bodies(joints_rad);
-        self.nearest(among, &bodies, f64::MAX).map(|(pair, near)| self.to_clearance(pair, &near))
+        self.nearest(among, self.bodies_during(motion), joints_rad, f64::MAX)
+            .map(|(pair, near)| self.to_clearance(pair, &near))
     }
 
     /// Returns the name of an obstacle or a link.
@@ -205,21 +291,27 @@ impl ArmInScene {
         self.parts.iter().map(way).fold(0.0, f64::max)
     }
 
-    pub(crate) fn bodies(&self, joints_rad: &Joints) -> Vec<PosedPart<'_>> {
-        let poses = self.robot.link_poses(joints_rad);
-        self.parts.iter().map(|part| part.at(&poses[part.link])).collect()
-    }
-
-    /// Returns the nearest pair, if it is nearer than `max_distance`.
+    /// Returns the nearest pair at `joints_rad`, if it is nearer than `max_distance`.
     pub(crate) fn nearest(
         &self,
         among: Among,
-        bodies: &[PosedPart<'_>],
+        carried: BodiesOfMotion,
+        joints_rad: &Joints,
         max_distance: f64,
     ) -> Option<(Pair, Near)> {
-        let body = |part: usize| bodies[part];
+        let poses = self.robot.link_poses(joints_rad);
+        let present = self.present(carried);
+        let posed = present.clone().map(|parts| {
+            let parts = self.parts[parts].iter().map(|part| part.at(&poses[part.link]));
+            parts.collect::<Vec<_>>()
+        });
+        let body = |part: usize| {
+            let is_in = |parts: &Range<usize>| parts.contains(&part);
+            let group = present.iter().position(is_in).unwrap_or_default();
+            posed[group][part - present[group].start]
+        };
         let lower_bound = |pair| (self.lower_bound(pair, &body(pair.part), body), pair);
-        let mut pairs: Vec<_> = self.pairs(among).map(lower_bound).collect();
+        let mut pairs: Vec<_> = self.pairs(among, carried).map(lower_bound).collect();
         // The pair with the smallest bound first: it excludes most of the others.
         let first = (0..pairs.len()).min_by(|a, b| pairs[*a].0.total_cmp(&pairs[*b].0))?;
         pairs.swap(0, first);
@@ -248,6 +340,10 @@ impl ArmInScene {
     ) -> f64 {
         let of_center = match target {
             ClearanceTarget::Obstacle(o) => self.obstacles[o].distance(body.center),
+            ClearanceTarget::Surface { obstacle, node } => match &self.obstacles[obstacle] {
+                Placed::Mesh(mesh) => mesh.lower_bound_of(node, body.center),
+                placed => placed.distance(body.center),
+            },
             ClearanceTarget::Part(other) => {
                 (bodies(other).center - body.center).length() - self.parts[other].bound
             }
@@ -266,7 +362,34 @@ impl ArmInScene {
     ) -> Option<Near> {
         match pair.target {
             ClearanceTarget::Obstacle(o) => near(body, &self.obstacles[o], max_distance),
+            ClearanceTarget::Surface { obstacle, node } => match &self.obstacles[obstacle] {
+                Placed::Mesh(mesh) => to_surface_part(body, &mesh.part(node), max_distance),
+                placed => near(body, placed, max_distance),
+            },
             ClearanceTarget::Part(other) => near_part(body, &bodies(other), max_distance),
+        }
+    }
+
+    /// Returns the pair of a part and the root of a surface's tree, if the obstacle is a mesh.
+    pub(crate) fn rooted(&self, pair: Pair) -> Pair {
+        match pair.target {
+            ClearanceTarget::Obstacle(obstacle)
+                if matches!(self.obstacles[obstacle], Placed::Mesh(_)) =>
+            {
+                Pair { target: ClearanceTarget::Surface { obstacle, node: 0 }, ..pair }
+            }
+            _ => pair,
+        }
+    }
+
+    /// Returns the box at a node of a surface, with the index of the first one of its two nodes;
+    /// none for a triangle, and for other targets.
+    pub(crate) fn bounding_box(&self, target: ClearanceTarget) -> Option<(PlacedBox, usize)> {
+        let ClearanceTarget::Surface { obstacle, node } = target else { return None };
+        let Placed::Mesh(mesh) = &self.obstacles[obstacle] else { return None };
+        match mesh.part(node) {
+            SurfacePart::Box(cuboid, first) => Some((cuboid, first)),
+            SurfacePart::Face(_) => None,
         }
     }
 
@@ -275,7 +398,9 @@ impl ArmInScene {
             distance_m: near.distance,
             link: self.parts[part].shown,
             other: match target {
-                ClearanceTarget::Obstacle(o) => Other::Obstacle(o),
+                ClearanceTarget::Obstacle(o) | ClearanceTarget::Surface { obstacle: o, .. } => {
+                    Other::Obstacle(o)
+                }
                 ClearanceTarget::Part(other) => Other::Link(self.parts[other].shown),
             },
             on_link_m: near.on_part.into(),

@@ -8,7 +8,10 @@ use parry3d_f64::{
 
 use crate::{
     arm::{PosedPart, Volume},
-    placed::{Placed, PlacedBox, PlacedPlane},
+    placed::{Placed, PlacedPlane},
+    placed_box::PlacedBox,
+    placed_mesh::{PlacedMesh, SurfacePart},
+    polyhedron::Face,
 };
 
 /// Nearest points of a part and another shape.
@@ -66,16 +69,90 @@ impl Convex for Cuboid {
     }
 }
 
+/// Triangle.
+impl Convex for Face {
+    fn nearest(&self, point: Vector) -> Vector {
+        Face::nearest(self, point)
+    }
+
+    fn farthest_along(&self, direction: Vector) -> f64 {
+        Face::farthest_along(self, direction)
+    }
+}
+
+impl SupportMap for Face {
+    fn local_support_point(&self, direction: Vector) -> Vector {
+        self.support(direction)
+    }
+}
+
 /// Returns the nearest points of `body` and `obstacle`; none if they are farther apart than
 /// `max_distance` for certain.
 pub(crate) fn near(body: &PosedPart<'_>, obstacle: &Placed, max_distance: f64) -> Option<Near> {
     match obstacle {
         Placed::Plane(plane) => Some(to_plane(body, plane)),
-        Placed::Box(cuboid) => match body.form {
-            Volume::Ball { radius } => Some(ball_to_box(body.center, radius, cuboid)),
-            _ => solid_to_box(body, cuboid, max_distance),
-        },
+        Placed::Box(cuboid) => to_box(body, cuboid, max_distance),
+        Placed::Round(solid) => near_part(body, solid, max_distance),
+        Placed::Mesh(mesh) => to_mesh(body, mesh, max_distance),
     }
+}
+
+fn to_box(body: &PosedPart<'_>, cuboid: &PlacedBox, max_distance: f64) -> Option<Near> {
+    match body.form {
+        Volume::Ball { radius } => Some(ball_to_box(body.center, radius, cuboid)),
+        _ => solid_to_box(body, cuboid, max_distance),
+    }
+}
+
+/// Returns the nearest points of `body` and a part of a surface: a triangle, or the box around
+/// several triangles. None if they are farther apart than `max_distance` for certain.
+pub(crate) fn to_surface_part(
+    body: &PosedPart<'_>,
+    part: &SurfacePart<'_>,
+    max_distance: f64,
+) -> Option<Near> {
+    match part {
+        SurfacePart::Face(face) => {
+            if let Volume::Ball { radius } = body.form {
+                return Some(ball_to_point(body.center, radius, face.nearest(body.center)));
+            }
+            let (on_part, on_face) = nearest_points(body, body.center, *face, max_distance)?;
+            Some(Near::between(on_part, on_face))
+        }
+        SurfacePart::Box(cuboid, _) => to_box(body, cuboid, max_distance),
+    }
+}
+
+/// Returns the nearest points of a body and a surface, by branch and bound from the root of its
+/// tree.
+fn to_mesh(body: &PosedPart<'_>, mesh: &PlacedMesh, max_distance: f64) -> Option<Near> {
+    let mut best: Option<Near> = None;
+    // Nodes with a lower bound of their distance; the nearest one is the last one.
+    let mut open = vec![(0.0, 0)];
+    while let Some((lower_bound, node)) = open.pop() {
+        let max_distance = best.map_or(max_distance, |near| near.distance);
+        if lower_bound >= max_distance {
+            continue;
+        }
+        let part = mesh.part(node);
+        let Some(near) = to_surface_part(body, &part, max_distance) else { continue };
+        match part {
+            SurfacePart::Face(_) if best.is_none_or(|best| near.distance < best.distance) => {
+                best = Some(near);
+            }
+            SurfacePart::Box(_, first) if near.distance < max_distance => {
+                // The nearer box to the centre is searched first.
+                let mut nodes = [first, first + 1];
+                nodes.sort_by(|a, b| {
+                    let [a, b] = [a, b].map(|node| mesh.lower_bound_of(*node, body.center));
+                    b.total_cmp(&a)
+                });
+                open.extend(nodes.map(|node| (near.distance, node)));
+            }
+            _ => {}
+        }
+    }
+    best
 }
 
 fn to_plane(body: &PosedPart<'_>, plane: &PlacedPlane) -> Near {
@@ -90,11 +167,17 @@ fn to_plane(body: &PosedPart<'_>, plane: &PlacedPlane) -> Near {
 
 fn ball_to_box(center: Vector, radius: f64, cuboid: &PlacedBox) -> Near {
     let on_box = cuboid.in_base_frame(cuboid.nearest(cuboid.in_box_frame(center)));
-    let way = center - on_box;
+    ball_to_point(center, radius, on_box)
+}
+
+/// Returns the nearest points of a sphere and another shape, whose point nearest to the centre of
+/// the sphere is `nearest`.
+fn ball_to_point(center: Vector, radius: f64, nearest: Vector) -> Near {
+    let way = center - nearest;
     if way.length() <= radius {
-        return Near::touching(on_box);
+        return Near::touching(nearest);
     }
-    Near::between(center - way.normalize_or_zero() * radius, on_box)
+    Near::between(center - way.normalize_or_zero() * radius, nearest)
 }
 
 /// Returns the nearest points of a body and a box, computed in the box frame.
@@ -112,6 +195,9 @@ pub(crate) fn near_part(
     other: &PosedPart<'_>,
     max_distance: f64,
 ) -> Option<Near> {
+    if let Volume::Ball { radius } = body.form {
+        return Some(ball_to_point(body.center, radius, other.nearest(body.center)));
+    }
     let (on_part, on_other) = nearest_points(body, body.center, other, max_distance)?;
     Some(Near::between(on_part, on_other))
 }
@@ -241,8 +327,8 @@ mod tests {
         for i in 0..300_000 {
             let turns = [(); 2].map(|()| turn(&mut random, i % 3 == 0));
             let mut between = |from: f64, to: f64| from + (to - from) * random.f64();
-            let axis = crate::placed::rotation(turns[0]).map(|row| row[2]).into();
-            let rows = crate::placed::rotation(turns[0]);
+            let axis = crate::rotation::rotation(turns[0]).map(|row| row[2]).into();
+            let rows = crate::rotation::rotation(turns[0]);
             let sides = [0, 1].map(|k| rows.map(|row| row[k]).into());
             let form = match i % 4 {
                 0 | 2 => {

@@ -47,16 +47,27 @@ pub enum SceneFault {
     Range {
         /// Index of the obstacle.
         obstacle: usize,
-        /// Vector: `center`, `size`, `rpy`, `point` or `normal`.
+        /// Quantity: `center`, `origin`, `size`, `rpy`, `point`, `normal`, `radius` or `length`.
         key: &'static str,
-        /// Index of the number, 0 to 2.
-        axis: usize,
+        /// Index of the number, 0 to 2; none for a single number.
+        axis: Option<usize>,
         /// Value, in m or rad.
         found: f64,
         /// Minimum.
         min: f64,
         /// Maximum.
         max: f64,
+    },
+    /// Too many triangles in all meshes of obstacles.
+    #[error(
+        "the obstacles have more than {max} triangles in all ({found} in the meshes read so far): \
+         make their meshes coarser"
+    )]
+    TooManyTriangles {
+        /// Number of triangles, up to the first obstacle that exceeds the maximum.
+        found: usize,
+        /// Maximum number.
+        max: usize,
     },
     /// Too many shapes of the tool.
     #[error("the tool has {found} shapes; it may have {max}")]
@@ -67,7 +78,7 @@ pub enum SceneFault {
         max: usize,
     },
     /// Number of the tool that is out of range or not finite.
-    #[error("tool, shape {}: {}", .shape + 1, tool_range(.key, *.axis, [*.found, *.min, *.max]))]
+    #[error("tool, shape {}: {}", .shape + 1, range(.key, *.axis, [*.found, *.min, *.max]))]
     Tool {
         /// Index of the shape.
         shape: usize,
@@ -96,7 +107,7 @@ pub enum SceneFault {
         found: IgnoredPair,
     },
     /// Normal of a plane with zero length.
-    #[error("obstacle {}: a normal of length zero points nowhere", .obstacle + 1)]
+    #[error("obstacle {}: the normal has zero length", .obstacle + 1)]
     NoDirection {
         /// Index of the obstacle.
         obstacle: usize,
@@ -110,12 +121,14 @@ impl SceneFault {
         use JsonStep::{Index, Key};
         let obstacles = Key("obstacles");
         match *self {
-            Self::TooMany { .. } => locate(text, &[obstacles]),
+            Self::TooMany { .. } | Self::TooManyTriangles { .. } => locate(text, &[obstacles]),
             Self::Name { obstacle, .. } | Self::SameName { obstacle, .. } => {
                 locate(text, &[obstacles, Index(obstacle), Key("name")])
             }
             Self::Range { obstacle, key, axis, .. } => {
-                locate(text, &[obstacles, Index(obstacle), Key(in_file(key).0), Index(axis)])
+                let mut path = vec![obstacles, Index(obstacle), Key(in_file(key).0)];
+                path.extend(axis.map(Index));
+                locate(text, &path)
             }
             Self::LargeTool { .. } => locate(text, &[Key("tool")]),
             Self::Tool { shape, key, axis, .. } => {
@@ -145,18 +158,9 @@ fn in_file(key: &'static str) -> (&'static str, f64) {
     }
 }
 
-/// Describes a number of a tool shape that is out of range, which may be a single number.
-fn tool_range(key: &'static str, axis: Option<usize>, numbers: [f64; 3]) -> String {
-    if let Some(axis) = axis {
-        return range(key, axis, numbers);
-    }
-    let (name, factor) = in_file(key);
-    let [value, min, max] = numbers.map(|value| value * factor);
-    format!("{name} is {value}; it must be from {min} to {max}")
-}
-
-/// Describes a number that is out of range, in the units of a file.
-fn range(key: &'static str, axis: usize, numbers: [f64; 3]) -> String {
+/// Describes a number that is out of range, in the units of a file: one of a vector, or a single
+/// number.
+fn range(key: &'static str, axis: Option<usize>, numbers: [f64; 3]) -> String {
     let (name, factor) = in_file(key);
     // Rounded to six decimals, without the digits that result from the change of units.
     let shown = |value: f64| {
@@ -165,7 +169,10 @@ fn range(key: &'static str, axis: usize, numbers: [f64; 3]) -> String {
         if rounded.is_finite() { rounded } else { value }
     };
     let [value, min, max] = numbers.map(shown);
-    let mut text = format!("number {} of {name} is {value}", axis + 1);
+    let mut text = match axis {
+        Some(axis) => format!("number {} of {name} is {value}", axis + 1),
+        None => format!("{name} is {value}"),
+    };
     if key == "size" && value <= 0.0 {
         text.push_str("; a size is above 0");
     } else if key != "normal" {

@@ -112,7 +112,7 @@ impl ConvexHull {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::placed::rotation;
+    use crate::rotation::rotation;
 
     fn turned(points: &[[f64; 3]], rpy: [f64; 3]) -> Vec<[f64; 3]> {
         let rows = rotation(rpy).map(Vector::from);

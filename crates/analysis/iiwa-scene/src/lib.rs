@@ -11,7 +11,8 @@
 //! let scene = Scene::from_json(r#"{
 //!     "version": 1,
 //!     "obstacles": [
-//!         { "name": "table", "type": "box", "center_mm": [0, 0, -25], "size_mm": [1200, 800, 50] },
+//!         { "name": "table", "type": "box", "center_mm": [0, 0, -25],
+//!           "size_mm": [1200, 800, 50] },
 //!         { "name": "wall", "type": "plane", "point_mm": [-600, 0, 0], "normal": [1, 0, 0] }
 //!     ]
 //! }"#)?;
@@ -38,8 +39,9 @@
 //! ```
 //!
 //! The arm consists of the cylinders and spheres of its URDF, [`iiwa_kin::Robot::link_shapes`], and
-//! obstacles are boxes and half-spaces. A tool consists of boxes, cylinders, spheres, and [convex
-//! hulls](ConvexHull) of meshes. Shapes that touch or overlap have a distance of 0. Distances of
+//! obstacles are boxes, cylinders, spheres, half-spaces, and the [surfaces](TriangleSurface) of
+//! meshes. A tool consists of boxes, cylinders, spheres, and [convex hulls](ConvexHull) of meshes.
+//! Shapes that touch or overlap have a distance of 0. Distances of
 //! poses are exact to 0.1 um; over a motion, every pose is covered, and the smallest distance is
 //! found to 0.1 mm.
 //!
@@ -49,31 +51,45 @@
 
 mod arm;
 mod arm_meshes;
+mod carried;
 mod clearance;
+mod collada;
 mod distance;
 mod extent;
 mod fault;
 mod hull;
 mod links;
 mod mesh;
+mod mesh_error;
 mod mesh_file;
+mod patch;
 mod placed;
+mod placed_box;
+mod placed_mesh;
 mod planned;
 mod polyhedron;
 mod quickhull;
+mod rotation;
 mod scene;
 mod span;
+mod stl;
+mod surface;
 mod tool;
 mod wire;
 
 pub use arm_meshes::{ArmMeshError, ArmMeshes};
+pub use carried::{CarriedBodies, CarriedBody, CarriedMeshError};
 pub use clearance::{ArmInScene, Clearance, Other};
+pub use collada::ColladaError;
 pub use fault::SceneFault;
 pub use hull::{ConvexHull, NotSolid};
 pub use links::IgnoredPair;
-pub use mesh::{Patch, TriangleMesh, TriangleMeshError};
-pub use mesh_file::MeshError;
+pub use mesh::TriangleMesh;
+pub use mesh_error::TriangleMeshError;
+pub use mesh_file::{ExtentFault, MeshError};
+pub use patch::Patch;
 pub use planned::PlannedClearance;
 pub use scene::{Form, Obstacle, Scene};
+pub use surface::{SurfaceError, TriangleSurface};
 pub use tool::{ToolForm, ToolShape};
 pub use wire::SceneError;

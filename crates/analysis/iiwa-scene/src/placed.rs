@@ -2,21 +2,22 @@
 
 use parry3d_f64::math::Vector;
 
-use crate::scene::Form;
+use crate::{
+    arm::{PosedPart, Volume},
+    placed_box::PlacedBox,
+    placed_mesh::PlacedMesh,
+    rotation::{rotation, unit},
+    scene::Form,
+};
 
 /// Obstacle in the base frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) enum Placed {
     Box(PlacedBox),
     Plane(PlacedPlane),
-}
-
-/// Box by its centre, its axes and half of its edge lengths.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PlacedBox {
-    center: Vector,
-    axes: [Vector; 3],
-    pub(crate) half: Vector,
+    /// Cylinder or sphere.
+    Round(PosedPart<'static>),
+    Mesh(PlacedMesh),
 }
 
 /// Half-space of all points with `normal . x <= offset`.
@@ -28,23 +29,32 @@ pub(crate) struct PlacedPlane {
 
 impl Placed {
     pub(crate) fn new(form: &Form) -> Self {
+        let center = |center_m: [f64; 3]| Vector::from(center_m);
         match *form {
             Form::Box { center_m, size_m, rpy_rad } => {
-                let rows = rotation(rpy_rad).map(Vector::from);
-                Self::Box(PlacedBox {
-                    center: center_m.into(),
-                    axes: std::array::from_fn(|i| Vector::new(rows[0][i], rows[1][i], rows[2][i])),
-                    half: 0.5 * Vector::from(size_m),
-                })
+                Self::Box(PlacedBox::new(center_m, size_m, rotation(rpy_rad)))
             }
             Form::Plane { point_m, normal } => {
                 let normal = unit(normal);
                 Self::Plane(PlacedPlane { normal, offset: normal.dot(point_m.into()) })
             }
+            Form::Cylinder { center_m, radius_m, length_m, rpy_rad } => Self::Round(PosedPart {
+                center: center(center_m),
+                axis: rotation(rpy_rad).map(|row| row[2]).into(),
+                form: Volume::Cylinder { radius: radius_m, half: 0.5 * length_m },
+            }),
+            Form::Sphere { center_m, radius_m } => Self::Round(PosedPart {
+                center: center(center_m),
+                axis: Vector::Z,
+                form: Volume::Ball { radius: radius_m },
+            }),
+            Form::Mesh { ref surface, origin_m, rpy_rad } => {
+                Self::Mesh(PlacedMesh::new(surface, origin_m, rotation(rpy_rad)))
+            }
         }
     }
 
-    /// Returns the distance of `point` from the obstacle; 0 inside.
+    /// Returns the distance of `point` from the obstacle, for a mesh a lower bound of it; 0 inside.
     pub(crate) fn distance(&self, point: Vector) -> f64 {
         match self {
             Self::Box(cuboid) => {
@@ -52,6 +62,8 @@ impl Placed {
                 (local - cuboid.nearest(local)).length()
             }
             Self::Plane(plane) => (plane.normal.dot(point) - plane.offset).max(0.0),
+            Self::Round(solid) => (point - solid.nearest(point)).length(),
+            Self::Mesh(mesh) => mesh.lower_bound(point),
         }
     }
 
@@ -62,57 +74,17 @@ impl Placed {
             Self::Box(cuboid) => cuboid.farthest_along(direction),
             // Only called along the normal: a half-space is unbounded across it.
             Self::Plane(plane) => plane.offset,
+            Self::Round(solid) => solid.farthest_along(direction),
+            Self::Mesh(mesh) => mesh.farthest_along(0, direction),
         }
     }
-}
 
-impl PlacedBox {
-    /// Transforms a point from the base frame to the box frame.
-    pub(crate) fn in_box_frame(&self, point: Vector) -> Vector {
-        self.turn_back(point - self.center)
+    /// Returns the largest `direction . x` of the points at a node of a mesh; for other obstacles
+    /// as [`farthest_along`](Self::farthest_along).
+    pub(crate) fn node_farthest_along(&self, node: usize, direction: Vector) -> f64 {
+        match self {
+            Self::Mesh(mesh) => mesh.farthest_along(node, direction),
+            other => other.farthest_along(direction),
+        }
     }
-
-    /// Transforms a direction from the base frame to the box frame.
-    pub(crate) fn turn_back(&self, direction: Vector) -> Vector {
-        let [x, y, z] = self.axes;
-        Vector::new(x.dot(direction), y.dot(direction), z.dot(direction))
-    }
-
-    /// Transforms a point from the box frame to the base frame.
-    pub(crate) fn in_base_frame(&self, local: Vector) -> Vector {
-        self.center + self.turn(local)
-    }
-
-    /// Transforms a direction from the box frame to the base frame.
-    pub(crate) fn turn(&self, local: Vector) -> Vector {
-        let [x, y, z] = self.axes;
-        local.x * x + local.y * y + local.z * z
-    }
-
-    /// Returns the point of the box nearest to `local`, both in the box frame.
-    pub(crate) fn nearest(&self, local: Vector) -> Vector {
-        local.clamp(-self.half, self.half)
-    }
-
-    fn farthest_along(&self, direction: Vector) -> f64 {
-        self.center.dot(direction) + self.half.dot(self.turn_back(direction).abs())
-    }
-}
-
-/// Returns the rotation about x, then y, then z, the fixed axes of the reference frame, as three
-/// rows.
-pub(crate) fn rotation([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
-    let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
-    [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
-}
-
-/// Returns the unit vector along `normal`, for any length of `normal`.
-pub(crate) fn unit(normal: [f64; 3]) -> Vector {
-    let normal = Vector::from(normal);
-    // Scaled first: squares of very large and very small numbers overflow or vanish.
-    (normal / normal.abs().max_element()).normalize_or(Vector::Z)
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use iiwa_kin::Joints;
 use iiwa_path::Segment;
 use iiwa_program::MotionIndex;
 use iiwa_traj::{Piece, Section, Trajectory};
@@ -72,7 +73,10 @@ impl ArmInScene {
         sections: impl IntoIterator<Item = &'a Section>,
     ) -> Option<PlannedClearance> {
         let mut search = ClearanceSearch::new(self, among);
-        sections.into_iter().for_each(|section| search.go(section, section.pieces()));
+        for section in sections {
+            search.go(section, section.pieces());
+            search.load_changes(section);
+        }
         search.best
     }
 
@@ -101,6 +105,8 @@ struct ClearanceSearch<'a> {
     /// Stack of the pairs that may be nearer in a span, with their lower bound of the distance in
     /// it: those of the current span, on top of those of the spans that contain it.
     open: Vec<(Pair, f64)>,
+    /// Stack of the nodes of a surface that are searched in the current span.
+    targets: Vec<ClearanceTarget>,
 }
 
 /// Piece in motion that is searched.
@@ -113,7 +119,7 @@ struct SearchedPiece<'a> {
 
 impl<'a> ClearanceSearch<'a> {
     fn new(arm: &'a ArmInScene, among: Among) -> Self {
-        Self { arm, among, best: None, nearest_m: f64::MAX, open: Vec::new() }
+        Self { arm, among, best: None, nearest_m: f64::MAX, open: Vec::new(), targets: Vec::new() }
     }
 
     /// Searches `pieces` of `section` for a smaller clearance than the best so far.
@@ -127,17 +133,38 @@ impl<'a> ClearanceSearch<'a> {
                 Some(place) => {
                     for i in 0..=SAMPLES {
                         let s = f64::from(i) / f64::from(SAMPLES);
-                        self.sample(piece, &place.segment.at(s).q, || section.time_at(piece, s));
+                        self.sample(piece.motion, &place.segment.at(s).q, || {
+                            section.time_at(piece, s)
+                        });
                     }
                 }
-                None => self.sample(piece, &section.at(piece.start_s).q, || piece.start_s),
+                None => self.sample(piece.motion, &section.at(piece.start_s).q, || piece.start_s),
             }
         }
         for place in pieces.iter().filter_map(moving) {
-            self.open.extend(self.arm.pairs(self.among).map(|pair| (pair, f64::MIN)));
+            let rooted = |pair| (self.arm.rooted(pair), f64::MIN);
+            let carried = self.arm.bodies_during(Some(place.piece.motion));
+            self.open.extend(self.arm.pairs(self.among, carried).map(rooted));
             self.span(place, 0.5, 0.5, 0..self.open.len());
             self.open.clear();
         }
+    }
+
+    /// Evaluates the rests at which load changes add shapes: other load changes at the same rest,
+    /// or the end of the program, may follow without any piece.
+    fn load_changes(&mut self, section: &Section) {
+        let pieces = section.pieces();
+        let Some(last) = pieces.last() else { return };
+        let carried = self.arm.carried();
+        let starts = pieces.chunk_by(|a, b| a.motion == b.motion).map(|pieces| &pieces[0]);
+        for piece in starts {
+            let (at_s, q) = (piece.start_s, section.at(piece.start_s).q);
+            let before = carried.loads_before(piece.motion);
+            before.for_each(|load| self.sample(load, &q, || at_s));
+        }
+        let (at_s, q) = (last.end_s, section.at(last.end_s).q);
+        let after = carried.loads_after(last.motion);
+        after.for_each(|load| self.sample(load, &q, || at_s));
     }
 
     /// Returns the smallest distance so far, in m.
@@ -145,16 +172,17 @@ impl<'a> ClearanceSearch<'a> {
         self.best.map_or(f64::MAX, |best| best.clearance.distance_m)
     }
 
-    /// Evaluates one pose of a piece.
-    fn sample(&mut self, piece: &Piece, joints_rad: &[f64; 7], at_s: impl FnOnce() -> f64) {
-        let bodies = self.arm.bodies(joints_rad);
-        if let Some((pair, near)) = self.arm.nearest(self.among, &bodies, self.best_m() + SAME_M) {
-            self.add(piece, pair, &near, at_s);
+    /// Evaluates one pose of a motion.
+    fn sample(&mut self, motion: MotionIndex, joints_rad: &Joints, at_s: impl FnOnce() -> f64) {
+        let carried = self.arm.bodies_during(Some(motion));
+        let nearest = self.arm.nearest(self.among, carried, joints_rad, self.best_m() + SAME_M);
+        if let Some((pair, near)) = nearest {
+            self.add(motion, pair, &near, at_s);
         }
     }
 
     /// Records a result if it is nearer than the best so far, or equally near and earlier.
-    fn add(&mut self, piece: &Piece, pair: Pair, near: &Near, at_s: impl FnOnce() -> f64) {
+    fn add(&mut self, motion: MotionIndex, pair: Pair, near: &Near, at_s: impl FnOnce() -> f64) {
         if near.distance > self.nearest_m + SAME_M {
             return;
         }
@@ -163,7 +191,7 @@ impl<'a> ClearanceSearch<'a> {
         let earlier = self.best.is_none_or(|best| at_s < best.at_s);
         if near.distance < self.best_m() - SAME_M || earlier {
             let clearance = self.arm.to_clearance(pair, near);
-            self.best = Some(PlannedClearance { clearance, at_s, motion: piece.motion });
+            self.best = Some(PlannedClearance { clearance, at_s, motion });
         }
     }
 
@@ -193,7 +221,7 @@ impl<'a> ClearanceSearch<'a> {
             let part = &arm.parts[pair.part];
             // Obstacles are fixed to the base, link 0.
             let from = match pair.target {
-                ClearanceTarget::Obstacle(_) => 0,
+                ClearanceTarget::Obstacle(_) | ClearanceTarget::Surface { .. } => 0,
                 ClearanceTarget::Part(other) => arm.parts[other].link,
             };
             // Pairs of the same part are adjacent, so that its body and bounds are reused.
@@ -202,20 +230,40 @@ impl<'a> ClearanceSearch<'a> {
                 _ => (at(pair.part), span.moves(part, from)),
             };
             last = Some(((pair.part, from), body, moves));
-            if arm.lower_bound(pair, &body, at) - moves.max_m >= self.best_m() - TOLERANCE_M {
-                continue;
-            }
-            let Some(near) = arm.near(pair, &body, at, self.best_m() + moves.max_m) else {
-                continue;
-            };
-            self.add(piece, pair, &near, || section.time_at(piece, middle));
-            let beyond = match pair.target {
-                ClearanceTarget::Obstacle(o) => arm.obstacles[o].farthest_along(near.away),
-                ClearanceTarget::Part(other) => at(other).farthest_along(near.away),
-            };
-            let lower_bound = span.lower_bound((part, &body), (from, moves), &near, beyond);
-            if lower_bound < self.best_m() - TOLERANCE_M {
-                self.open.push((pair, lower_bound));
+            self.targets.push(pair.target);
+            while let Some(target) = self.targets.pop() {
+                let pair = Pair { target, ..pair };
+                if arm.lower_bound(pair, &body, at) - moves.max_m >= self.best_m() - TOLERANCE_M {
+                    continue;
+                }
+                let Some(near) = arm.near(pair, &body, at, self.best_m() + moves.max_m) else {
+                    continue;
+                };
+                let bounding_box = arm.bounding_box(target);
+                if bounding_box.is_none() {
+                    self.add(piece.motion, pair, &near, || section.time_at(piece, middle));
+                }
+                let beyond = match target {
+                    ClearanceTarget::Obstacle(o) => arm.obstacles[o].farthest_along(near.away),
+                    ClearanceTarget::Surface { obstacle, node } => {
+                        arm.obstacles[obstacle].node_farthest_along(node, near.away)
+                    }
+                    ClearanceTarget::Part(other) => at(other).farthest_along(near.away),
+                };
+                let lower_bound = span.lower_bound((part, &body), (from, moves), &near, beyond);
+                if lower_bound >= self.best_m() - TOLERANCE_M {
+                    continue;
+                }
+                match (target, bounding_box) {
+                    // A box that is larger than the motion does not exclude much: its contents do.
+                    (ClearanceTarget::Surface { obstacle, .. }, Some((cuboid, first)))
+                        if cuboid.half.length() > 0.5 * moves.max_m =>
+                    {
+                        let node = |node| ClearanceTarget::Surface { obstacle, node };
+                        self.targets.extend([first, first + 1].map(node));
+                    }
+                    _ => self.open.push((pair, lower_bound)),
+                }
             }
         }
         let remaining = first..self.open.len();

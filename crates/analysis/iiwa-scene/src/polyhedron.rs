@@ -13,8 +13,8 @@ pub(crate) struct Polyhedron {
 
 /// Triangle.
 #[derive(Debug)]
-struct Face {
-    corners: [Vector; 3],
+pub(crate) struct Face {
+    pub(crate) corners: [Vector; 3],
     /// Outward unit normal.
     normal: Vector,
     /// Offset of the plane, along the normal.
@@ -76,7 +76,7 @@ impl Polyhedron {
 
 impl Face {
     /// Creates a face; none for a sliver.
-    fn new(corners: [Vector; 3]) -> Option<Self> {
+    pub(crate) fn new(corners: [Vector; 3]) -> Option<Self> {
         let [a, b, c] = corners;
         let across = (b - a).cross(c - a);
         let longest = (b - a).length().max((c - b).length()).max((a - c).length());
@@ -88,7 +88,34 @@ impl Face {
         Some(Self { corners, normal, offset: normal.dot(a), inward })
     }
 
-    fn nearest(&self, point: Vector) -> Vector {
+    /// Transforms the face by a rigid motion; `place` transforms points, and `turn` transforms
+    /// directions. Far from the origin, rounding may make the corners coincide: the directions are
+    /// those of the face before the motion.
+    pub(crate) fn moved(
+        &self,
+        place: impl Fn(Vector) -> Vector,
+        turn: impl Fn(Vector) -> Vector,
+    ) -> Self {
+        let corners = self.corners.map(place);
+        let normal = turn(self.normal);
+        Self { corners, normal, offset: normal.dot(corners[0]), inward: self.inward.map(turn) }
+    }
+
+    /// Returns the largest `direction . x` of the triangle's points.
+    pub(crate) fn farthest_along(&self, direction: Vector) -> f64 {
+        self.corners.iter().map(|corner| direction.dot(*corner)).fold(f64::MIN, f64::max)
+    }
+
+    /// Returns the farthest corner along `direction`.
+    pub(crate) fn support(&self, direction: Vector) -> Vector {
+        let [first, others @ ..] = self.corners;
+        others.into_iter().fold(first, |best, corner| {
+            if direction.dot(corner) > direction.dot(best) { corner } else { best }
+        })
+    }
+
+    /// Returns the point of the triangle nearest to `point`.
+    pub(crate) fn nearest(&self, point: Vector) -> Vector {
         let within = |i: usize| self.inward[i].dot(point - self.corners[i]) >= 0.0;
         if (0..3).all(within) {
             return point - (self.normal.dot(point) - self.offset) * self.normal;
@@ -96,7 +123,10 @@ impl Face {
         let on_edge = |i: usize| {
             let (start, end) = (self.corners[i], self.corners[(i + 1) % 3]);
             let way = end - start;
-            start + ((point - start).dot(way) / way.length_squared()).clamp(0.0, 1.0) * way
+            let square = way.length_squared();
+            // Corners may coincide, as `moved` describes.
+            let share = if square > 0.0 { (point - start).dot(way) / square } else { 0.0 };
+            start + share.clamp(0.0, 1.0) * way
         };
         let [first, second, third] = [0, 1, 2].map(on_edge);
         let nearer = |a: Vector, b: Vector| {

@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use crate::{
     extent::{MAX_ANGLE_RAD, MAX_M, MIN_SIZE_M},
     fault::SceneFault,
-    links::{FIRST_LINK, IgnoredPair, TOOL},
+    links::{FIRST_LINK, IgnoredPair, WORKPIECE},
+    surface::{MAX_SURFACE_TRIANGLES, TriangleSurface},
     tool::ToolShape,
 };
 
@@ -31,7 +32,7 @@ pub struct Obstacle {
 }
 
 /// Shape and pose of an obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Form {
     /// Solid box.
@@ -49,6 +50,33 @@ pub enum Form {
         point_m: [f64; 3],
         /// Outward normal, of any non-zero length.
         normal: [f64; 3],
+    },
+    /// Cylinder with flat ends, along its z axis.
+    Cylinder {
+        /// Centre, in m.
+        center_m: [f64; 3],
+        /// Radius, in m.
+        radius_m: f64,
+        /// Length, in m.
+        length_m: f64,
+        /// Rotation as in a URDF: about x, then y, then z, the axes of the base, in rad.
+        rpy_rad: [f64; 3],
+    },
+    /// Sphere.
+    Sphere {
+        /// Centre, in m.
+        center_m: [f64; 3],
+        /// Radius, in m.
+        radius_m: f64,
+    },
+    /// Surface of a mesh, which has no inside.
+    Mesh {
+        /// Surface, in the mesh frame.
+        surface: TriangleSurface,
+        /// Position of the mesh origin, in m.
+        origin_m: [f64; 3],
+        /// Rotation as in a URDF: about x, then y, then z, the axes of the base, in rad.
+        rpy_rad: [f64; 3],
     },
 }
 
@@ -68,9 +96,7 @@ impl Scene {
     ///
     /// A [`SceneFault`] with the invalid obstacle and the reason.
     pub fn new(obstacles: Vec<Obstacle>) -> Result<Self, SceneFault> {
-        if obstacles.len() > MAX_OBSTACLES {
-            return Err(SceneFault::TooMany { found: obstacles.len(), max: MAX_OBSTACLES });
-        }
+        check_count(obstacles.len())?;
         let mut names = HashMap::with_capacity(obstacles.len());
         for (index, obstacle) in obstacles.iter().enumerate() {
             obstacle.check(index)?;
@@ -79,6 +105,7 @@ impl Scene {
                 return Err(SceneFault::SameName { obstacle: index, other, name });
             }
         }
+        check_triangles(obstacles.iter().map(Obstacle::triangles).sum())?;
         Ok(Self { obstacles, ..Self::default() })
     }
 
@@ -103,7 +130,7 @@ impl Scene {
     /// [`SceneFault::Ignored`] if the link or the obstacle does not exist.
     pub fn with_ignored(self, ignored: Vec<IgnoredPair>) -> Result<Self, SceneFault> {
         let exists = |it: &IgnoredPair| {
-            (FIRST_LINK..=TOOL).contains(&it.link) && it.obstacle < self.obstacles.len()
+            (FIRST_LINK..=WORKPIECE).contains(&it.link) && it.obstacle < self.obstacles.len()
         };
         match ignored.iter().position(|it| !exists(it)) {
             Some(pair) => Err(SceneFault::Ignored { pair, found: ignored[pair] }),
@@ -130,7 +157,27 @@ impl Scene {
     }
 }
 
+/// Checks the number of obstacles of a scene.
+pub(crate) fn check_count(found: usize) -> Result<(), SceneFault> {
+    let max = MAX_OBSTACLES;
+    if found > max { Err(SceneFault::TooMany { found, max }) } else { Ok(()) }
+}
+
+/// Checks the number of triangles of all meshes of a scene.
+pub(crate) fn check_triangles(found: usize) -> Result<(), SceneFault> {
+    let max = MAX_SURFACE_TRIANGLES;
+    if found > max { Err(SceneFault::TooManyTriangles { found, max }) } else { Ok(()) }
+}
+
 impl Obstacle {
+    /// Number of triangles of a mesh; 0 for other shapes.
+    pub(crate) fn triangles(&self) -> usize {
+        match &self.form {
+            Form::Mesh { surface, .. } => surface.triangles().len(),
+            _ => 0,
+        }
+    }
+
     /// Checks the obstacle at index `obstacle`; the error is the first fault.
     fn check(&self, obstacle: usize) -> Result<(), SceneFault> {
         let length = self.name.chars().count();
@@ -138,28 +185,44 @@ impl Obstacle {
             let found = self.name.chars().take(MAX_NAME).collect();
             return Err(SceneFault::Name { obstacle, found, max: MAX_NAME });
         }
-        let within = |key, values: &[f64; 3], min: f64, max: f64| match values
-            .iter()
-            .position(|value| !(min..=max).contains(value))
-        {
-            None => Ok(()),
-            Some(axis) => {
-                Err(SceneFault::Range { obstacle, key, axis, found: values[axis], min, max })
-            }
+        let within = |key, values: &[f64], min: f64, max: f64| {
+            let wrong = values.iter().position(|value| !(min..=max).contains(value));
+            wrong.map_or(Ok(()), |axis| {
+                let axis_of = (values.len() > 1).then_some(axis);
+                let found = values[axis];
+                Err(SceneFault::Range { obstacle, key, axis: axis_of, found, min, max })
+            })
         };
+        let position = |key, values: &[f64; 3]| within(key, values, -MAX_M, MAX_M);
+        let size = |key, values: &[f64]| within(key, values, MIN_SIZE_M, MAX_M);
+        let turn = |rpy_rad: &[f64; 3]| within("rpy", rpy_rad, -MAX_ANGLE_RAD, MAX_ANGLE_RAD);
         match &self.form {
             Form::Box { center_m, size_m, rpy_rad } => {
-                within("center", center_m, -MAX_M, MAX_M)?;
-                within("size", size_m, MIN_SIZE_M, MAX_M)?;
-                within("rpy", rpy_rad, -MAX_ANGLE_RAD, MAX_ANGLE_RAD)
+                position("center", center_m)?;
+                size("size", size_m)?;
+                turn(rpy_rad)
             }
             Form::Plane { point_m, normal } => {
-                within("point", point_m, -MAX_M, MAX_M)?;
+                position("point", point_m)?;
                 within("normal", normal, f64::MIN, f64::MAX)?;
                 if normal.iter().all(|value| *value == 0.0) {
                     return Err(SceneFault::NoDirection { obstacle });
                 }
                 Ok(())
+            }
+            Form::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+                position("center", center_m)?;
+                size("radius", &[*radius_m])?;
+                size("length", &[*length_m])?;
+                turn(rpy_rad)
+            }
+            Form::Sphere { center_m, radius_m } => {
+                position("center", center_m)?;
+                size("radius", &[*radius_m])
+            }
+            Form::Mesh { origin_m, rpy_rad, .. } => {
+                position("origin", origin_m)?;
+                turn(rpy_rad)
             }
         }
     }

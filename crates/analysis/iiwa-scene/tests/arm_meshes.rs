@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use iiwa_kin::Robot;
-use iiwa_scene::{ArmInScene, ArmMeshError, ArmMeshes, Scene, TriangleMesh};
+use iiwa_scene::{ArmInScene, ArmMeshError, ArmMeshes, Scene};
 
 /// Creates a box between two corners, as OBJ.
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> String {
@@ -186,47 +186,4 @@ fn invalid_arms_are_refused() {
     let error = refused(&other, Ok(b""));
     assert!(matches!(error, ArmMeshError::Urdf(_)), "{error}");
     assert!(error.to_string().contains("axis of joint 2"), "{error}");
-}
-
-/// Creates a triangle as Collada, in centimetres, with one instance.
-const COLLADA: &str = r##"<?xml version="1.0"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
-<library_geometries><geometry id="g"><mesh>
-<source id="p"><float_array id="pa" count="9">0 0 0 10 0 0 0 20 0</float_array>
-<technique_common><accessor source="#pa" count="3" stride="3">
-<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
-</accessor></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
-<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles>
-</mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s"><node id="n">
-<matrix>1 0 0 0 0 1 0 0 0 0 1 5 0 0 0 1</matrix><instance_geometry url="#g"/></node></visual_scene>
-</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene>
-</COLLADA>"##;
-
-#[test]
-fn collada_is_read_in_its_unit() {
-    let read = |text: &str| TriangleMesh::read("part.DAE", text.as_bytes(), |_| None);
-    let mesh = read(COLLADA).unwrap();
-    let mut points = mesh.patches[0].points.clone();
-    points.sort_by(|a, b| a.partial_cmp(b).unwrap());
-    let expected = [[0.0, 0.0, 0.05], [0.0, 0.2, 0.05], [0.1, 0.0, 0.05]];
-    for (actual, expected) in points.iter().zip(expected) {
-        for (actual, expected) in actual.iter().zip(expected) {
-            assert!((actual - expected).abs() < 1e-6, "{points:?}");
-        }
-    }
-    // Contents that the library would omit, or on which it would panic.
-    let instance = "<instance_geometry url=\"#g\"/>";
-    let text = read(&COLLADA.replace(instance, &instance.repeat(2))).unwrap_err().to_string();
-    assert!(text.contains("at several places"), "{text}");
-    let text = read(&COLLADA.replace("<p>0 1 2</p>", "<p>0 1 7</p>")).unwrap_err().to_string();
-    assert!(text.contains("corners that it does not have"), "{text}");
-    let nested = COLLADA.replace(instance, &format!("<node id=\"m\">{instance}</node>"));
-    let text = read(&nested).unwrap_err().to_string();
-    assert!(text.contains("nodes within nodes"), "{text}");
-    for cut in [10, 200, 700, COLLADA.len() - 12] {
-        assert!(read(&COLLADA[..cut]).is_err(), "cut at {cut}");
-    }
 }

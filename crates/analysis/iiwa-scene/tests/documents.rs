@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 
 /// Scene with a box and a plane.
 pub(crate) const GOOD: &str = r#"{ "version": 1, "obstacles": [
-  { "name": "table", "type": "box", "center_mm": [600, 0, -50], "size_mm": [800, 1200, 100], "rpy_deg": [0, 0, 90] },
+  { "name": "table", "type": "box", "center_mm": [600, 0, -50], "size_mm": [800, 1200, 100],
+    "rpy_deg": [0, 0, 90] },
   { "name": "floor", "type": "plane", "point_mm": [0, 0, -700], "normal": [0, 3, 4] }
 ] }"#;
 
@@ -21,9 +22,19 @@ fn with_pair() -> Value {
 }
 
 /// Returns scenes of boxes and planes.
-pub(crate) fn good_scenes() -> [Value; 3] {
+pub(crate) fn good_scenes() -> [Value; 4] {
     let cage = std::fs::read_to_string(fixture("cage.json")).unwrap();
-    [serde_json::from_str(GOOD).unwrap(), with_pair(), serde_json::from_str(&cage).unwrap()]
+    let cage = serde_json::from_str(&cage).unwrap();
+    [serde_json::from_str(GOOD).unwrap(), with_pair(), cage, rounds()]
+}
+
+/// Returns a scene with a cylinder and a sphere.
+fn rounds() -> Value {
+    json!({ "version": 1, "obstacles": [
+        { "name": "post", "type": "cylinder", "center_mm": [600, 0, 250], "radius_mm": 40,
+          "length_mm": 500, "rpy_deg": [0, 90, 0] },
+        { "name": "lamp", "type": "sphere", "center_mm": [0, 700, 300], "radius_mm": 80 }
+    ], "ignore": [["workpiece", "lamp"]] })
 }
 
 /// Returns valid scenes, each with one change that makes it invalid.
@@ -39,7 +50,17 @@ pub(crate) fn wrong_scenes() -> Vec<Value> {
         scene["ignore"][0] = pair;
         scene
     };
+    let round = |pointer: &str, value: Value| {
+        let mut scene = rounds();
+        *scene.pointer_mut(pointer).unwrap() = value;
+        scene
+    };
     vec![
+        round("/obstacles/0/radius_mm", json!(0)),
+        round("/obstacles/0/length_mm", json!(2e6)),
+        round("/obstacles/0/type", json!("sphere")),
+        round("/obstacles/1/radius_mm", json!([80])),
+        round("/obstacles/1/center_mm", json!([0, 700])),
         wrong_pair(json!(["link 1", "table"])),
         wrong_pair(json!(["link 2"])),
         wrong_pair(json!(["link 2", "table", "table"])),

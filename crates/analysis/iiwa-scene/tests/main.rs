@@ -1,11 +1,16 @@
 //! Obstacles and clearances: shapes, meshes, poses, plans.
 
 mod arm_meshes;
+mod carried;
+mod collada;
 mod common;
 mod documents;
 mod mesh;
+mod mutations;
+mod obstacles;
 mod planned;
 mod pose;
 mod scene;
 mod self_clearance;
+mod stl;
 mod tool;

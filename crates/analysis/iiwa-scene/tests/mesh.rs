@@ -40,7 +40,7 @@ fn cuboid(size: [f32; 3]) -> ([[f32; 3]; 8], [[usize; 3]; 12]) {
 
 const SIZE: [f32; 3] = [80.0, 30.0, 44.0];
 
-fn binary_stl() -> Vec<u8> {
+pub(crate) fn binary_stl() -> Vec<u8> {
     let (corners, triangles) = cuboid(SIZE);
     let mut file = [0; 80].to_vec();
     file.extend(u32::try_from(triangles.len()).unwrap().to_le_bytes());
@@ -54,7 +54,7 @@ fn binary_stl() -> Vec<u8> {
     file
 }
 
-fn ascii_stl() -> Vec<u8> {
+pub(crate) fn ascii_stl() -> Vec<u8> {
     let (corners, triangles) = cuboid(SIZE);
     let mut file = "solid gripper\n".to_owned();
     for triangle in triangles {
@@ -85,7 +85,8 @@ fn scene(tool: &str, read: impl FnMut(&str) -> Result<Vec<u8>, String>) -> Scene
         r#"{{ "version": 1,
              "obstacles": [
                {{ "name": "floor", "type": "plane", "point_mm": [0, 0, -50], "normal": [0, 0, 1] }},
-               {{ "name": "post", "type": "box", "center_mm": [500, 300, 300], "size_mm": [60, 70, 500], "rpy_deg": [5, 0, 20] }}
+               {{ "name": "post", "type": "box", "center_mm": [500, 300, 300],
+                  "size_mm": [60, 70, 500], "rpy_deg": [5, 0, 20] }}
              ],
              "tool": [{tool}] }}"#
     );
@@ -200,10 +201,10 @@ fn invalid_meshes_are_refused_at_their_key() {
         (refused(stl, Ok(b"hello".to_vec())), "`a.stl`: not a valid STL file"),
         (refused(stl, Ok(b"solid a\nfacet normal 0 0 0\nouter".to_vec())), "not a valid STL file"),
         (refused(stl, Ok(binary_stl()[..100].to_vec())), "not a valid STL file"),
-        (refused(stl, Ok(binary_stl()[..84].to_vec())), "it would have another length"),
+        (refused(stl, Ok(binary_stl()[..84].to_vec())), "has at least 684 bytes, not 84"),
         // Truncated between two triangles, and with a header that looks like text.
-        (refused(stl, Ok(cut.clone())), "it would have another length"),
-        (refused(stl, Ok([b"solid", &cut[5..]].concat())), "it would have another length"),
+        (refused(stl, Ok(cut.clone())), "12 triangles has at least 684 bytes, not 634"),
+        (refused(stl, Ok([b"solid", &cut[5..]].concat())), "at least 684 bytes, not 634"),
         (refused(stl, Ok(Vec::new())), "it is empty"),
         (refused(stl, Ok(not_finite)), "a coordinate that is not a number"),
         (obj("v 1 2\n"), "not a valid OBJ file"),
@@ -213,7 +214,7 @@ fn invalid_meshes_are_refused_at_their_key() {
         (points("v 0 0 0\nv 1e30 0 0\nv 0 9 0\nv 0 9 9"), "more than 2000 mm"),
         (
             points("v 0 0 0\nv 0.09 0 0\nv 0 0.09 0\nv 0 0 0.09"),
-            "it is 0.09 mm long, less than 1 mm: a number of the file was taken for 1 mm",
+            "it is 0.09 mm long, less than 1 mm: one unit of the file was taken as 1 mm",
         ),
         (refused(r#"{ "type": "mesh", "file": "a.dae" }"#, Ok(Vec::new())), "*.stl or *.obj"),
     ];
@@ -240,7 +241,7 @@ fn invalid_meshes_are_refused_at_their_key() {
     let text =
         r#"{ "version": 1, "obstacles": [], "tool": [{ "type": "mesh", "file": "a.stl" }] }"#;
     let error = Scene::from_json(text).unwrap_err();
-    assert!(error.message().contains("only the text of the scene is at hand"), "{error}");
+    assert!(error.message().contains("only the text of the scene is available"), "{error}");
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use iiwa_kin::Robot;
 use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions};
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
-use iiwa_scene::{ArmInScene, Form, Obstacle, Scene};
+use iiwa_scene::{ArmInScene, Form, Obstacle, Scene, TriangleSurface};
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 use iiwasim_tests::{fixture, random::programs};
 use proptest::prelude::*;
@@ -89,6 +89,7 @@ fn check(arm: &ArmInScene, trajectory: &Trajectory, samples: u32) {
 /// Returns true if the arm would be free with all obstacles smaller by twice the tolerance.
 fn touches_by_less(arm: &ArmInScene, trajectory: &Trajectory, t_s: f64) -> bool {
     let smaller = arm.scene().obstacles().iter().map(|obstacle| {
+        let smaller = 2.0 * TOLERANCE_M;
         let form = match obstacle.form {
             Form::Box { center_m, size_m, rpy_rad } => {
                 Form::Box { center_m, size_m: size_m.map(|m| m - 4.0 * TOLERANCE_M), rpy_rad }
@@ -98,6 +99,23 @@ fn touches_by_less(arm: &ArmInScene, trajectory: &Trajectory, t_s: f64) -> bool 
                 let back = 2.0 * TOLERANCE_M / length;
                 let point_m = std::array::from_fn(|i| point_m[i] - back * normal[i]);
                 Form::Plane { point_m, normal }
+            }
+            Form::Cylinder { center_m, radius_m, length_m, rpy_rad } => Form::Cylinder {
+                center_m,
+                radius_m: radius_m - smaller,
+                length_m: length_m - 2.0 * smaller,
+                rpy_rad,
+            },
+            Form::Sphere { center_m, radius_m } => {
+                Form::Sphere { center_m, radius_m: radius_m - smaller }
+            }
+            // Smaller in each direction, because all points are at least a centimetre away from the
+            // planes through the centre of the mesh.
+            Form::Mesh { ref surface, origin_m, rpy_rad } => {
+                let scale = 1.0 - 100.0 * smaller;
+                let points = surface.points_m().iter().map(|point| point.map(|v| v * scale));
+                let surface = TriangleSurface::new(points, surface.triangles().to_vec()).unwrap();
+                Form::Mesh { surface, origin_m, rpy_rad }
             }
             _ => unreachable!("there are no others"),
         };

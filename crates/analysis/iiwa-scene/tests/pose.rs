@@ -35,8 +35,8 @@ fn turned([roll, pitch, yaw]: Point, [x, y, z]: Point) -> Point {
 }
 
 /// Returns a function of the exact distance of a point from an obstacle, 0 inside.
-fn distance(form: Form) -> Box<dyn Fn(&Point) -> f64> {
-    match form {
+fn distance(form: &Form) -> Box<dyn Fn(&Point) -> f64> {
+    match *form {
         Form::Plane { point_m, normal } => {
             let normal = normal.map(|n| n / length(&normal));
             Box::new(move |p| (dot(p, &normal) - dot(&point_m, &normal)).max(0.0))
@@ -48,6 +48,19 @@ fn distance(form: Form) -> Box<dyn Fn(&Point) -> f64> {
                 let way = std::array::from_fn(|i| p[i] - center_m[i]);
                 let excess = |i: usize| (dot(&way, &axes[i]).abs() - 0.5 * size_m[i]).max(0.0);
                 length(&std::array::from_fn(excess))
+            })
+        }
+        Form::Sphere { center_m, radius_m } => Box::new(move |p| {
+            (length(&std::array::from_fn(|i| p[i] - center_m[i])) - radius_m).max(0.0)
+        }),
+        Form::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+            let axis = turned(rpy_rad, [0.0, 0.0, 1.0]);
+            Box::new(move |p| {
+                let way = std::array::from_fn(|i| p[i] - center_m[i]);
+                let along = dot(&way, &axis);
+                let across = length(&std::array::from_fn(|i| way[i] - along * axis[i]));
+                let beyond = (along.abs() - 0.5 * length_m).max(0.0);
+                beyond.hypot((across - radius_m).max(0.0))
             })
         }
         _ => unreachable!("there are no others"),
@@ -110,7 +123,7 @@ fn by_points(robot: &Robot, scene: &Scene, q: &Joints, found_m: f64) -> f64 {
     let shapes = robot.link_shapes();
     let mut best = f64::MAX;
     for obstacle in scene.obstacles() {
-        let distance = distance(obstacle.form);
+        let distance = distance(&obstacle.form);
         let of = |link: usize, shape: &Shape, q: &Joints| {
             let pose = robot.link_poses(q)[link];
             let distance = |p: &Point| distance(&to_base(&pose, p));
@@ -141,7 +154,7 @@ fn a_thousand_poses_are_as_near_as_their_points() {
     for round in 0..1000 {
         let robot =
             if round % 2 == 0 { Robot::lbr_iiwa_7_r800() } else { Robot::lbr_iiwa_14_r820() };
-        let scene = crate::common::scene(&mut random, 3);
+        let scene = crate::common::solids(&mut random, 3);
         let limits = robot.limits().upper_rad;
         let mut q = limits.map(|limit| limit * (2.0 * random.f64() - 1.0));
         if round % 5 == 0 {
@@ -153,7 +166,7 @@ fn a_thousand_poses_are_as_near_as_their_points() {
             touching += 1;
             assert_eq!(actual.on_link_m, actual.on_other_m);
             let Other::Obstacle(place) = actual.other else { panic!("{actual:?}") };
-            let obstacle = distance(scene.obstacles()[place].form);
+            let obstacle = distance(&scene.obstacles()[place].form);
             assert!(obstacle(&actual.on_other_m) < 1e-8);
             // A box may be completely inside a link, where the surface has no points.
             continue;
@@ -217,7 +230,8 @@ fn shapes_at_constant_distance_do_not_count() {
     assert_eq!((touching.distance_m, touching.link), (0.0, 2));
     // A post beside the shoulder is nearer to it at some poses than at others.
     let post = Form::Box { center_m: [0.0, 0.3, 0.34], size_m: [0.1; 3], rpy_rad: [0.0; 3] };
-    let [along, across] = [0.0, 0.5 * PI].map(|a1| of(post, &[a1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    let [along, across] =
+        [0.0, 0.5 * PI].map(|a1| of(post.clone(), &[a1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
     assert_eq!((along.link, across.link), (2, 2));
     assert!((along.distance_m - across.distance_m).abs() > 0.01, "{along:?} {across:?}");
 }

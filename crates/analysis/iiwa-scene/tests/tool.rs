@@ -14,7 +14,8 @@ use nalgebra::{Rotation3, Vector3};
 const TOLERANCE_M: f64 = 1e-4;
 
 fn named(forms: &[Form]) -> Vec<Obstacle> {
-    let named = |(index, form): (usize, &Form)| Obstacle { name: format!("{index}"), form: *form };
+    let named =
+        |(index, form): (usize, &Form)| Obstacle { name: format!("{index}"), form: form.clone() };
     forms.iter().enumerate().map(named).collect()
 }
 
@@ -128,7 +129,9 @@ fn it_is_as_near_as_its_points() {
         let nearest = points(&form)
             .into_iter()
             .map(|point| flange * nalgebra::Point3::from(point))
-            .flat_map(|point| obstacles.map(|obstacle| distance(&obstacle, &point.coords)))
+            .flat_map(|point| {
+                obstacles.each_ref().map(|obstacle| distance(obstacle, &point.coords))
+            })
             .fold(f64::MAX, f64::min);
         let min_m = nearest.min(bare.distance_m);
         assert!(actual.distance_m <= min_m + 1e-6, "{round}: {actual:?}, {min_m}");
@@ -153,10 +156,13 @@ fn it_counts_in_plans() {
     let trajectory = Trajectory::plan(&path, Timing::default()).unwrap();
     let scene = Scene::from_json(
         r#"{ "version": 1,
-             "obstacles": [{ "name": "table", "type": "plane", "point_mm": [0, 0, 0], "normal": [0, 0, 1] }],
+             "obstacles": [
+                { "name": "table", "type": "plane", "point_mm": [0, 0, 0], "normal": [0, 0, 1] }
+             ],
              "tool": [
                 { "type": "cylinder", "center_mm": [0, 0, 40], "radius_mm": 30, "length_mm": 80 },
-                { "type": "box", "center_mm": [0, 0, 100], "size_mm": [80, 30, 40], "rpy_deg": [0, 0, 30] },
+                { "type": "box", "center_mm": [0, 0, 100], "size_mm": [80, 30, 40],
+                  "rpy_deg": [0, 0, 30] },
                 { "type": "sphere", "center_mm": [0, 30, 120], "radius_mm": 10 }
              ] }"#,
     )

@@ -4,7 +4,8 @@
 //! cannot move the robot:
 //!
 //! ```json
-//! { "version": 1, "robot": "cell-1", "id": "7f3c", "at": "2026-11-25T22:00:00Z", "request": { "type": "stop" } }
+//! { "version": 1, "robot": "cell-1", "id": "7f3c", "at": "2026-11-25T22:00:00Z",
+//!   "request": { "type": "stop" } }
 //! ```
 //!
 //! A command is refused if the bridge does not accept commands, if the command is malformed or too

@@ -29,7 +29,8 @@ pub const VERSION: u32 = 1;
 /// ```
 /// use iiwa_bridge::Message;
 ///
-/// let text = r#"{"version": 1, "robot": "cell-1", "session": 1764108000123, "seq": 7, "at": "2026-11-25T22:00:00.000123Z",
+/// let text = r#"{"version": 1, "robot": "cell-1", "session": 1764108000123, "seq": 7,
+///     "at": "2026-11-25T22:00:00.000123Z",
 ///     "kind": "state", "t_s": 12.5, "state": "running_motion"}"#;
 /// let message = Message::from_json(text.as_bytes()).unwrap();
 /// assert_eq!(Message::from_json(message.to_json().as_bytes()).unwrap(), message);

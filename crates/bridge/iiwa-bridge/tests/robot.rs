@@ -186,7 +186,9 @@ fn commands_are_carried_out_once_and_replied_to() {
     assert_eq!(rig.client().get_io("MediaFlange.LEDBlue").unwrap(), IoValue::Boolean(true));
     assert_eq!((result.id.as_deref(), result.robot.as_deref()), (Some("a"), Some("cell-1")));
 
-    let turn = r#"{"type": "run_motions", "motions": [{"type": "ptp", "joints_deg": [60, 0, 0, 0, 0, 0, 0], "velocity_rel": 0.2}]}"#;
+    let turn = r#"{"type": "run_motions", "motions": [
+        {"type": "ptp", "joints_deg": [60, 0, 0, 0, 0, 0, 0], "velocity_rel": 0.2}
+    ]}"#;
     let run = send(&gate, None, &command("b", now(), turn));
     let mut client = rig.client();
     eventually(|| client.state().unwrap().state == DriveState::RunningMotion);
@@ -208,7 +210,9 @@ fn rejected_commands_move_nothing() {
     let rig = Rig::new();
     let gate = CommandGate::new(&[rig.robot()], true).unwrap();
     let before = rig.client().state().unwrap().joints_rad;
-    let turn = r#"{"type": "run_motions", "motions": [{"type": "ptp", "joints_deg": [60, 0, 0, 0, 0, 0, 0]}]}"#;
+    let turn = r#"{"type": "run_motions", "motions": [
+        {"type": "ptp", "joints_deg": [60, 0, 0, 0, 0, 0, 0]}
+    ]}"#;
     let late = command("late", ago(11), turn);
     let early = command("early", ago(-11), turn);
     let long = command("long", ago(0), &format!("{turn}{}", " ".repeat(MAX_COMMAND_BYTES)));

@@ -74,7 +74,7 @@ impl Certificates {
             (has_certificate, _) => {
                 let (present, missing) =
                     if has_certificate { (&certificate, &key) } else { (&key, &certificate) };
-                let message = format!("it is missing, but {} is there", present.display());
+                let message = format!("it is missing, but {} exists", present.display());
                 return Err(bad(missing, &message));
             }
         }

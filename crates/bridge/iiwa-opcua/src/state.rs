@@ -193,7 +193,8 @@ mod tests {
             StatusCode::BadNoCommunication
         );
         state.take(&message(
-            r#""kind": "conditions", "drive": "connected", "state": "idle", "robot_program": "connected",
+            r#""kind": "conditions", "drive": "connected", "state": "idle",
+               "robot_program": "connected",
                "hello": {"protocol": 2, "program": "Program 1", "sunrise": "1.16"},
                "conditions": {"operation_mode": "aut", "override": 0.5, "safety_stop": false}"#,
         ));
@@ -203,7 +204,8 @@ mod tests {
         assert_eq!(state.value(Some(1)).status(), StatusCode::Good);
         assert_eq!(state.moving_value(None).status(), StatusCode::BadNoCommunication);
         state.take(&message(
-            r#""kind": "run", "t_s": 1, "run": 1, "event": "begin", "what": "motions", "program": "pick""#,
+            r#""kind": "run", "t_s": 1, "run": 1, "event": "begin", "what": "motions",
+               "program": "pick""#,
         ));
         state.take(&message(r#""kind": "joints", "t_s": 1, "joints_rad": [1, 2, 3, 4, 5, 6, 7]"#));
         assert_eq!(state.program.as_deref(), Some("pick"));

@@ -72,7 +72,7 @@ pub enum RetimeError {
     #[error("the path through the points does not join: {0}")]
     Join(#[from] JoinError),
     /// The planner did not find a time parameterisation.
-    #[error("no times were found for the path: {0}")]
+    #[error("time parameterisation of the path failed: {0}")]
     Timing(#[from] TimingError),
 }
 

@@ -1,5 +1,6 @@
-//! JSON written by people: errors with their place in the text and a correction, documents with a
-//! version, lists of numbers and of tagged objects. Independent of robots.
+//! Parsing of JSON that people write: errors with their place in the text and a correction,
+//! documents with a version, lists of numbers and of tagged objects. The crate is independent of
+//! robots.
 //!
 //! ```
 //! use iiwa_json::{JsonObject, JsonPlace, problem};
@@ -16,7 +17,10 @@
 //! assert_eq!(JsonPlace::of_error(text, text, &error).to_string(), "line 1, column 16");
 //! ```
 
+mod encoding;
 mod excerpt;
+mod fields;
+mod further;
 mod list;
 mod locate;
 mod meant;
@@ -25,21 +29,25 @@ mod place;
 mod printable;
 mod problem;
 mod records;
-mod tagged;
+mod table_header;
+mod text_lines;
 mod token;
 mod version;
 
 #[cfg(test)]
 mod tests;
 
+pub use encoding::{UTF_16, bytes_without_mark, is_utf16, without_mark};
 pub use excerpt::excerpt;
+pub use further::further_errors;
 pub use list::{Numbers, numbers};
 pub use locate::{JsonStep, element_at, locate};
 pub use meant::{are_known, meant, unknown};
-pub use object::{JsonObject, object, object_or_null, object_or_null_like};
+pub use object::{JsonObject, object, object_or_null, object_or_null_like, tag};
 pub use place::JsonPlace;
 pub use printable::printable;
 pub use problem::problem;
-pub use records::Records;
-pub use tagged::tag;
+pub use records::{RecordColumn, Records};
+pub use table_header::{HeaderFault, HeaderSearch, TableHeader, TableLine};
+pub use text_lines::{TextLine, TextLines};
 pub use version::{Unread, read_version};

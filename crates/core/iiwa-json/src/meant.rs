@@ -5,13 +5,14 @@ use strsim::damerau_levenshtein;
 use crate::excerpt::excerpt;
 
 /// Word of `known` most similar to `found`, if a typing error, a capital letter or a missing ending
-/// explains the difference.
+/// explains the difference. Of several words that add a unit, the one in degrees or mm is returned.
 ///
 /// ```
 /// let keys = ["velocity_rel", "acceleration_rel", "blend"];
 /// assert_eq!(iiwa_json::meant("velocty_rel", keys), Some("velocity_rel"));
 /// assert_eq!(iiwa_json::meant("velocity", keys), Some("velocity_rel"));
 /// assert_eq!(iiwa_json::meant("colour", keys), None);
+/// assert_eq!(iiwa_json::meant("joints", ["joints_rad", "joints_deg"]), Some("joints_deg"));
 /// ```
 #[must_use]
 pub fn meant<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -28,7 +29,16 @@ pub fn meant<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> Option
         let mut begun = known.iter().filter(|word| word.starts_with(&text));
         begun.next().filter(|_| text.len() >= MIN_BEGINNING && begun.next().is_none()).copied()
     };
-    nearest.map(|(_, word)| word).or_else(begun)
+    let of_units = || {
+        let begin = format!("{text}_");
+        let longer = known.iter().filter(|word| word.starts_with(&begin)).copied();
+        let in_usual_unit = |word: &&str| ["_deg", "_mm"].iter().any(|unit| word.ends_with(unit));
+        match longer.collect::<Vec<_>>().as_slice() {
+            [only] => Some(*only),
+            several => several.iter().copied().find(in_usual_unit),
+        }
+    };
+    nearest.map(|(_, word)| word).or_else(begun).or_else(of_units)
 }
 
 /// Longest word, in bytes.

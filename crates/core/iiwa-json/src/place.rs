@@ -13,7 +13,8 @@ pub struct JsonPlace {
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// Byte range in the text.
+    /// Byte range in the text, counted from behind its byte order mark if the text begins with one:
+    /// a range of [`without_mark`](crate::without_mark).
     pub span: Range<usize>,
 }
 

@@ -43,7 +43,7 @@ pub fn problem(error: &serde_json::Error) -> String {
         return format!("the key {key} is missing");
     }
     if let Some(key) = key("duplicate field ") {
-        return format!("the key {key} is there twice");
+        return format!("the key {key} appears twice");
     }
     match message {
         "expected value" | "expected ident" => "this is not JSON: a value is expected",

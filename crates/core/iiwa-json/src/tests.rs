@@ -1,5 +1,7 @@
 //! Places and messages of errors.
 
+mod tables;
+
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -67,7 +69,7 @@ fn the_place_is_the_first_letter_of_the_error() {
         ("[{\"x\": [1],}]", 1, 12, "}", "trailing comma"),
         ("[{x: 1}]", 1, 3, "x", "a key is expected, in double quotes"),
         ("[{\"x\": [1], \"ü\\q\": 1}]", 1, 16, "q", "invalid escape"),
-        ("[{\"x\": []},\n {\"x\": [], \"x\": []}]", 2, 12, "\"x\"", "the key `x` is there twice"),
+        ("[{\"x\": []},\n {\"x\": [], \"x\": []}]", 2, 12, "\"x\"", "the key `x` appears twice"),
         ("[{\"x\": []},\n  { }]", 2, 3, "{", "the key `x` is missing"),
         ("[] 7", 1, 4, "7", "there is more text after the end"),
         ("[{\"x\": [1, 2\n\n", 1, 13, "", "the text ends too early"),

@@ -76,8 +76,8 @@ impl Dynamics {
     }
 }
 
-/// Joint positions and two derivatives: velocities and accelerations, or derivatives by the path
-/// parameter.
+/// Joint positions and two derivatives: velocities and accelerations, or derivatives with respect
+/// to the path parameter.
 #[derive(Clone, Copy)]
 struct JointDerivatives<'a> {
     joints: &'a [Joints],

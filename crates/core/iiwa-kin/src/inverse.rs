@@ -16,8 +16,8 @@
 use crate::{
     Joints, MovingPose, Pose, Robot, Taylor,
     number::Number,
+    redundancy::Status,
     rotation::{cross, dot},
-    status::Status,
     unreachable::Unreachable,
 };
 

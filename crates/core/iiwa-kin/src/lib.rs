@@ -9,9 +9,9 @@
 //! assert!((stretched_out.position_m[2] - 1.292).abs() < 1e-12);
 //! ```
 //!
-//! Units are SI and radians. Joint vectors are plain arrays of seven; joint 1 is index 0 and
-//! carries the others. Poses are given in `iiwa_link_0`, the base: z up, origin in the centre of
-//! its mounting face.
+//! Units are SI and radians, unless a name states another unit. Joint vectors are arrays of seven
+//! numbers; joint A1, the one at the base, has index 0. Poses are given in the base frame,
+//! `iiwa_link_0`: z points up, the origin is in the centre of the mounting face.
 //!
 //! Features, both on by default: `profile` for robot profiles in JSON, `urdf` for ROS robot
 //! descriptions. Without them, the crate needs neither a JSON nor an XML library.
@@ -24,7 +24,6 @@ mod dh;
 mod dynamics;
 mod dynamics_batch;
 mod forward;
-mod forward_moving;
 mod friction;
 pub mod hermite;
 mod inertials;
@@ -52,10 +51,8 @@ mod shape_inertia;
 mod shapes;
 mod singularity;
 mod spline_speed;
-mod status;
 mod taylor;
 mod trig;
-mod turn;
 mod unreachable;
 #[cfg(feature = "urdf")]
 mod urdf;
@@ -76,15 +73,13 @@ pub use pose::Pose;
 #[cfg(feature = "profile")]
 pub use profile::ProfileError;
 pub use ramp_law::{RampEnd, RampLaw, RampLimits};
-pub use redundancy::Redundancy;
+pub use redundancy::{Redundancy, Status, Turn};
 pub use rigid_body::RigidBody;
 pub use robot::{Assumption, BadLength, Lengths, Robot};
 pub use shapes::{Along, Shape, Solid};
 pub use singularity::{SingularPart, Singularity};
 pub use spline_speed::SplineSpeed;
-pub use status::Status;
 pub use taylor::Taylor;
-pub use turn::Turn;
 pub use unreachable::Unreachable;
 #[cfg(feature = "urdf")]
 pub use urdf::{

@@ -6,14 +6,19 @@ use crate::{RigidBody, Robot, inertials::Links, shape_inertia};
 /// "Touch" exceeds the plain flange (152 mm and 126 mm from the wrist).
 const FLANGE_CENTER_M: f64 = 0.013;
 
-/// Display name of a part of the arm: `the tool` for link 8, otherwise for example `link 5`.
+/// Display name of a part of the arm: `the tool` for link 8, `the workpiece` for link 9, otherwise
+/// for example `link 5`.
 ///
 /// ```
 /// assert_eq!(iiwa_kin::part_name(8), "the tool");
 /// ```
 #[must_use]
 pub fn part_name(link: usize) -> String {
-    if link == 8 { "the tool".to_owned() } else { format!("link {link}") }
+    match link {
+        8 => "the tool".to_owned(),
+        9 => "the workpiece".to_owned(),
+        link => format!("link {link}"),
+    }
 }
 
 impl Robot {

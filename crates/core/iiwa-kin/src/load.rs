@@ -30,7 +30,7 @@ impl FromStr for Load {
             [mass_kg, x, y, z] => (mass_kg, [x, y, z]),
             _ => {
                 return Err(
-                    "it takes a mass in kg, or that and x, y, z of its centre in mm".to_owned()
+                    "expected a mass in kg, or a mass and x, y, z of its centre in mm".to_owned()
                 );
             }
         };

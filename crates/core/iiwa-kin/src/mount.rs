@@ -20,7 +20,7 @@ impl FromStr for Mount {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let angles = numbers(text)?.try_into();
-        let rpy_deg = angles.map_err(|_| "it takes roll, pitch and yaw in degrees")?;
+        let rpy_deg = angles.map_err(|_| "expected roll, pitch and yaw in degrees")?;
         Ok(Self::from_rpy_deg(rpy_deg))
     }
 }

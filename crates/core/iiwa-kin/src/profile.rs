@@ -9,7 +9,7 @@ mod units;
 use iiwa_json::{
     JsonObject, JsonPlace,
     JsonStep::{Index, Key},
-    Unread, locate, problem, read_version,
+    Unread, locate, problem, read_version, without_mark,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -113,7 +113,7 @@ struct Wire {
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = SETTLE_RANGE_S[0], "maximum" = SETTLE_RANGE_S[1]))]
     settle_time_s: Option<f64>,
-    /// Pause at rest after a blocking motion, whose end the program waits for, in s.
+    /// Standstill after a blocking motion, whose end the program waits for, in s.
     #[serde(default, deserialize_with = "given", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("minimum" = SETTLE_RANGE_S[0], "maximum" = SETTLE_RANGE_S[1]))]
     blocking_pause_s: Option<f64>,
@@ -181,6 +181,9 @@ fn range([min, max]: [f64; 2]) -> serde_json::Value {
     serde_json::json!({ "type": "number", "minimum": min, "maximum": max })
 }
 
+/// Quantities that a built-in model may assume.
+const ASSUMABLE: [&str; 4] = ["acceleration", "jerk", "masses", "ramps"];
+
 impl Robot {
     /// Reads a robot profile (version 1): a built-in model and the differences from it.
     ///
@@ -199,6 +202,7 @@ impl Robot {
     /// If the text is not a profile, or has a number that no robot can have; the error gives the
     /// place in the text.
     pub fn from_profile(text: &str) -> Result<Self, ProfileError> {
+        let text = without_mark(text);
         if text.len() > MAX_BYTES {
             let place = JsonPlace::of_span(text, 0..0);
             return Err(ProfileError::TooLong { place, found: text.len() });
@@ -239,7 +243,10 @@ impl Robot {
             // keys.
             .min_by_key(|wire| {
                 let read_back = wire.robot("");
-                let same = read_back.is_ok_and(|robot| robot.assumptions == self.assumptions);
+                // A profile does not contain the assumptions of [`Robot::with_assumption`].
+                let same = read_back.is_ok_and(|robot| {
+                    ASSUMABLE.iter().all(|name| robot.assumes(name) == self.assumes(name))
+                });
                 (!same, wire.overrides())
             })
             .unwrap_or_default();

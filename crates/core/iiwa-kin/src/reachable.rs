@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::{
     Joint, Pose, Robot,
     inverse::arm_at,
-    status::Status,
+    redundancy::Status,
     unreachable::{Unreachable, e1_ranges},
 };
 

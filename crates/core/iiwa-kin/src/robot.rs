@@ -189,6 +189,23 @@ impl Robot {
         }
     }
 
+    /// Rated payload of the KUKA data sheet, in kg: 7 for the LBR iiwa 7 R800, 14 for the LBR iiwa
+    /// 14 R820, which their link lengths identify; `None` for a robot of other lengths.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    ///
+    /// let renamed = Robot::lbr_iiwa_14_r820().with_name("left arm");
+    /// assert_eq!(renamed.rated_payload_kg(), Some(14.0));
+    /// ```
+    #[must_use]
+    pub fn rated_payload_kg(&self) -> Option<f64> {
+        let arm = |robot: &Self| [robot.lengths.base_m, robot.lengths.upper_arm_m];
+        [(Self::lbr_iiwa_7_r800(), 7.0), (Self::lbr_iiwa_14_r820(), 14.0)]
+            .into_iter()
+            .find_map(|(model, payload_kg)| (arm(&model) == arm(self)).then_some(payload_kg))
+    }
+
     /// Sets the flange length d7, from the wrist to the flange face, in m.
     ///
     /// ```
@@ -373,7 +390,7 @@ impl Robot {
         self.settle_time_s
     }
 
-    /// Mean pause at rest after a blocking motion, whose end the program waits for, in s. Motions
+    /// Mean standstill after a blocking motion, whose end the program waits for, in s. Motions
     /// start on a 12 ms clock, at the first tick at least 87.2 ms after that end: between 87 and 99
     /// ms.
     #[must_use]
@@ -403,6 +420,25 @@ impl Robot {
     #[must_use]
     pub fn assumptions(&self) -> &[Assumption] {
         &self.assumptions
+    }
+
+    /// Adds an assumption, or replaces the assumption of the same quantity.
+    ///
+    /// ```
+    /// let robot = iiwa_kin::Robot::lbr_iiwa_7_r800()
+    ///     .with_assumption("velocity of A2", "not shown by the recordings");
+    /// assert!(robot.assumes("velocity of A2"));
+    /// ```
+    #[must_use]
+    pub fn with_assumption(
+        mut self,
+        quantity: impl Into<String>,
+        basis: impl Into<String>,
+    ) -> Self {
+        let (quantity, basis) = (quantity.into(), basis.into());
+        self.drop_assumption(&quantity);
+        self.assumptions.push(Assumption { quantity, basis });
+        self
     }
 
     /// Removes an assumption, once the quantity has a source.
@@ -455,7 +491,7 @@ const KAPPA: [f64; 3] = [-3.974_264_71, 0.006_260_16, 0.000_284_72];
 /// Settling time of Larsen 2019, section 2.4.2; Table 6 of Appendix C has a mean of 0.0496 s.
 const SETTLE_TIME_S: f64 = 0.05;
 
-/// Minimum of 87.2 ms plus half a tick of 12 ms, rounded: the pauses of 65 of 69 motions on an LBR
+/// Minimum of 87.2 ms plus half a tick of 12 ms, rounded: 73 of 75 standstills recorded on an LBR
 /// iiwa 7 (source: see [`RampLaw`]) are within that tick.
 const BLOCKING_PAUSE_S: f64 = 0.093;
 

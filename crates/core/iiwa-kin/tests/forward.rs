@@ -57,6 +57,23 @@ proptest! {
     }
 
     #[test]
+    fn a_tcp_moves_as_its_positions_differ(
+        q in any_joints(),
+        rate in any_joints(),
+        tcp in prop::array::uniform3(-0.3..0.3_f64),
+    ) {
+        let robot = Robot::default();
+        let at = |step: f64| {
+            let pose = robot.flange_pose(&std::array::from_fn(|j| q[j] + step * rate[j]));
+            Vector3::from(pose.position_m) + pose.rotation_matrix() * Vector3::from(tcp)
+        };
+        let (p, v) = robot.tcp_motion(&tcp, &q, &rate);
+        prop_assert!((Vector3::from(p) - at(0.0)).norm() < 1e-13);
+        let step = 1e-5;
+        prop_assert!((Vector3::from(v) - (at(step) - at(-step)) / (2.0 * step)).norm() < 1e-6);
+    }
+
+    #[test]
     fn jacobian_is_the_derivative(q in any_joints(), j in 0..7_usize) {
         let robot = Robot::default();
         let h = 1e-6;

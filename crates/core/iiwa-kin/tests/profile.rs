@@ -15,6 +15,8 @@ fn an_empty_profile_is_the_default() {
     assert_eq!(Robot::from_profile("{\"version\": 1}").unwrap(), Robot::default());
     let big = r#"{ "version": 1, "base": "lbr_iiwa_14_r820" }"#;
     assert_eq!(Robot::from_profile(big).unwrap(), Robot::lbr_iiwa_14_r820());
+    let marked = format!("\u{feff}{big}");
+    assert_eq!(Robot::from_profile(&marked).unwrap(), Robot::lbr_iiwa_14_r820());
 }
 
 #[test]
@@ -34,7 +36,8 @@ fn every_part_can_be_overridden() {
             "blend_kappa": [-3, 0.01, 0.0002],
             "tcp_blend_kappa": [-2, 0.02, 0.0003],
             "settle_time_s": 0.04,
-            "ramps": { "torque_snap_nm_s2": [1, 2, 3, 4, 5, 6, 7], "width_rad_s": 0.25, "spline_build_up_s": 0.2 }
+            "ramps": { "torque_snap_nm_s2": [1, 2, 3, 4, 5, 6, 7], "width_rad_s": 0.25,
+                       "spline_build_up_s": 0.2 }
         }"#,
     )
     .unwrap();
@@ -128,7 +131,8 @@ fn ranges_need_not_be_symmetric() {
 fn links(first: &str) -> String {
     let body = |mass: f64| {
         format!(
-            r#"{{ "mass_kg": {mass}, "center_mm": [0, -30.5, 270], "inertia_kg_m2": [0.02, 0, 0, 0.02, 0.004, 0.01] }}"#
+            r#"{{ "mass_kg": {mass}, "center_mm": [0, -30.5, 270],
+                  "inertia_kg_m2": [0.02, 0, 0, 0.02, 0.004, 0.01] }}"#
         )
     };
     let rest = (2..8).map(|number| body(f64::from(number))).collect::<Vec<_>>().join(", ");
@@ -164,7 +168,8 @@ fn links_are_bodies() {
         (r#""links": []"#.to_owned(), "links has 0 entries; write 7, links 1 to 7".to_owned()),
         (
             format!(r#""links": {}"#, complete.replacen("0.02,", "-0.02,", 1)),
-            "links: the inertia of link 1 is that of no body: about some axis it is negative"
+            "links: the inertia tensor of link 1 is not physically possible: the moment of inertia \
+             about some axis is negative"
                 .to_owned(),
         ),
         (
@@ -209,7 +214,10 @@ fn links_are_bodies() {
 /// Profiles that predate `links` keep their meaning.
 #[test]
 fn masses_alone_are_those_of_shapes() {
-    let masses = r#"{ "version": 1, "link_mass_kg": [4.856, 3.394, 4.032, 3.394, 4.032, 1.529, 2.404, 0.259] }"#;
+    let masses = r#"{
+        "version": 1,
+        "link_mass_kg": [4.856, 3.394, 4.032, 3.394, 4.032, 1.529, 2.404, 0.259]
+    }"#;
     let robot = Robot::from_profile(masses).unwrap();
     let [first, ..] = robot.links();
     assert!((first.center_m[2] - 0.272_699_876).abs() < 1e-9);
@@ -307,7 +315,7 @@ fn invalid_profiles_are_reported_with_their_place() {
             "\"flnge\"",
             "unknown key `flnge`; did you mean `flange`?",
         ),
-        ("{ \"version\": 1, \"version\": 1 }", 1, 17, "\"version\"", "there twice"),
+        ("{ \"version\": 1, \"version\": 1 }", 1, 17, "\"version\"", "appears twice"),
         (
             "{ \"version\": 1,\n  \"base\": \"kr_16\" }",
             2,
@@ -356,7 +364,8 @@ fn invalid_profiles_are_reported_with_their_place() {
             "link_mass_kg: link 7 is 0.0",
         ),
         (
-            "{ \"version\": 1, \"name\": \"ü\",\n \"position_limit_deg\": [1, 2, 3, 4, 5, 361, 7] }",
+            "{ \"version\": 1, \"name\": \"ü\",\n \
+             \"position_limit_deg\": [1, 2, 3, 4, 5, 361, 7] }",
             2,
             40,
             "361",

@@ -209,7 +209,9 @@ fn invalid_files_are_reported() {
     let a4 = good.lines().position(|line| line.contains("'A4'")).unwrap() + 1;
     let cases = [
         ("", "it has no element", 1),
-        ("no xml", "it has no element", 1),
+        ("no xml", "text before the outermost element", 1),
+        ("<robot/>\nrest", "text after the outermost element", 2),
+        ("<robot/>\n&amp;", "text after the outermost element", 2),
         ("<robot>", "it ends inside 1 open elements", 1),
         ("<robot>\n</link>", "", 2),
         ("<robot name='a", "", 1),
@@ -218,9 +220,10 @@ fn invalid_files_are_reported() {
         ("<robot/>", "the robot has no <link>", 1),
         ("<robot><link/></robot>", "a link has no name", 1),
         ("<robot><link name='a'/></robot>", "0 revolute joints", 1),
-        ("<robot><link name='a' name='b'/></robot>", "there twice", 1),
-        ("<robot><link name='&a;'/></robot>", "", 1),
-        ("<robot>\n<link name='a'/>\n<link name='a'/></robot>", "second time", 3),
+        ("<robot><link name='a' name='b'/></robot>", "appears twice", 1),
+        ("<robot><link name='&a;'/></robot>", "the entity &a;", 1),
+        ("<robot><link name='&#0;'/></robot>", "this is not XML", 1),
+        ("<robot>\n<link name='a'/>\n<link name='a'/></robot>", "appears twice", 3),
     ];
     for (text, expected, line) in cases {
         let error = robot.check_urdf(text, None).unwrap_err();
@@ -231,13 +234,13 @@ fn invalid_files_are_reported() {
         ("'A4' type='revolute'", "'A4' type='continuous'", "\"A4\" is continuous"),
         ("'A4' type='revolute'", "'A4' type='prismatic'", "\"A4\" is prismatic"),
         ("'A4' type='revolute'", "'A4'", "joint \"A4\" has no type"),
-        ("'A4'", "'A3'", "joint \"A3\" is here for the second time"),
+        ("'A4'", "'A3'", "joint \"A3\" appears twice"),
         ("<axis xyz='0 -1 0'/>", "<axis xyz='0 -1 0'/><mimic joint='A1'/>", "\"A4\" is mimic"),
         ("<axis xyz='0 -1 0'/>", "<axis xyz='0 0 0'/>", "axis 0 0 0"),
         ("<axis xyz='0 -1 0'/>", "<axis xyz='0 1'/>", "\"0 1\"; it must be 3 finite numbers"),
         ("<axis xyz='0 -1 0'/>", "<axis xyz='0 1 0 0'/>", "it must be 3 finite numbers"),
         ("<axis xyz='0 -1 0'/>", "<axis xyz='0 NaN 0'/>", "it must be 3 finite numbers"),
-        ("<axis xyz='0 -1 0'/>", "<axis xyz='0 -1 0'/><axis/>", "second time"),
+        ("<axis xyz='0 -1 0'/>", "<axis xyz='0 -1 0'/><axis/>", "appears twice"),
         ("<axis xyz='0 -1 0'/>", "<axis xyz='1e300 -1e300 0'/>", "45.0000 deg"),
         ("0 0.0105 0.1925", "0 inf 0.1925", "it must be 3 finite numbers"),
         ("0 0.0105 0.1925", "0 1e400 0.1925", "it must be 3 finite numbers"),
@@ -258,6 +261,99 @@ fn invalid_files_are_reported() {
     let text = good.replace("'A4' type='revolute'", "'A4' type='fixed'");
     let error = robot.check_urdf(&text, None).unwrap_err();
     assert!(error.to_string().contains("\"link_ee\" has 6 revolute joints"), "{error}");
+}
+
+/// A joint between a new link `rail` and the mounting of [`other_frames`].
+fn on_a(kind: &str) -> String {
+    other_frames().replace(
+        "</robot>",
+        &format!(
+            "<link name='rail'/><joint name='r' type='{kind}'><parent link='rail'/>\
+             <child link='world'/><axis xyz='1 0 0'/></joint></robot>"
+        ),
+    )
+}
+
+#[test]
+fn a_mounting_may_move() {
+    let robot = Robot::default();
+    for kind in ["prismatic", "floating", "planar", "continuous"] {
+        let report = robot.check_urdf(&on_a(kind), None).unwrap();
+        assert_eq!((&*report.base, &*report.tip), ("link_0", "link_ee"), "{kind}");
+        assert_eq!(report.joints[0], "A1", "{kind}");
+        assert!(report.position_deviation_m < 1e-12, "{kind}");
+        // A mounting does not hide a fault of the arm.
+        let text = on_a(kind).replace("'A4' type='revolute'", "'A4' type='fixed'");
+        let error = robot.check_urdf(&text, None).unwrap_err();
+        assert!(error.to_string().contains("has 6 revolute joints"), "{kind}: {error}");
+        let text = on_a(kind).replace("'A4' type='revolute'", "'A4' type='prismatic'");
+        let error = robot.check_urdf(&text, None).unwrap_err();
+        assert!(error.to_string().contains("\"A4\" is prismatic"), "{kind}: {error}");
+    }
+}
+
+#[test]
+fn meshes_need_no_single_tip() {
+    let robot = Robot::default();
+    let fixed = |name: &str, parent: &str| {
+        format!(
+            "<link name='{name}'><visual><origin xyz='0 0 0.1'/><geometry>\
+             <mesh filename='{name}.stl'/></geometry></visual></link><joint name='{name}' \
+             type='fixed'><parent link='{parent}'/><child link='{name}'/></joint>"
+        )
+    };
+    let two = fixed("tool0", "link_ee") + &fixed("flange", "link_ee");
+    let text = other_frames().replace("</robot>", &format!("{two}</robot>"));
+    let error = robot.check_urdf(&text, None).unwrap_err();
+    assert!(matches!(error, UrdfError::AmbiguousTip { .. }), "{error}");
+    let links = robot.urdf_meshes(&text).unwrap();
+    let files: Vec<_> = links[7].visual.iter().map(|mesh| &*mesh.file).collect();
+    assert_eq!(files, ["tool0.stl", "flange.stl"]);
+    for mesh in &links[7].visual {
+        // From the flange, 152 mm from the wrist.
+        assert!((mesh.pose.position_m[2] - 0.252).abs() < 1e-12, "{:?}", mesh.pose);
+    }
+
+    // Two arms: neither of them is chosen by its depth.
+    let left =
+        other_frames().replace("<robot name='lbr'>", "<robot name='lbr'><link name='floor'/>");
+    let right = &left[left.find("<link name='world'").unwrap()..left.find("<gazebo").unwrap()];
+    let right = right.replace("name='", "name='r_").replace("link='", "link='r_");
+    let ends = fixed("tool0", "link_ee");
+    let both = left.replace("</robot>", &format!("{right}{ends}</robot>"));
+    let error = robot.urdf_meshes(&both).unwrap_err().to_string();
+    assert!(error.contains("several arms have seven joints, with the last links"), "{error}");
+    assert!(error.contains("link_7, r_link_7"), "{error}");
+}
+
+#[test]
+fn unexpanded_files_are_named() {
+    let robot = Robot::default();
+    let xacro = "<?xml version=\"1.0\"?>\n<robot xmlns:xacro='http://wiki.ros.org/xacro' \
+                 name='iiwa'>\n<xacro:include filename='iiwa7.xacro'/></robot>";
+    for result in [
+        robot.check_urdf(xacro, None).map(drop),
+        robot.urdf_meshes(xacro).map(drop),
+        robot
+            .check_urdf(&xacro.replace("<xacro:i", "<link name='world'/><xacro:i"), None)
+            .map(drop),
+    ] {
+        let error = result.unwrap_err();
+        assert!(error.to_string().contains("a xacro file with <xacro:include>"), "{error}");
+        assert_eq!(error.place().line, 3);
+    }
+    // An expanded file keeps the namespace.
+    let expanded =
+        other_frames().replace("<robot ", "<robot xmlns:xacro='http://wiki.ros.org/xacro' ");
+    robot.check_urdf(&expanded, None).unwrap();
+
+    let entity = "<!DOCTYPE robot [<!ENTITY v \"1.7\">]>\n<robot><link name='&v;3'/></robot>";
+    let error = robot.check_urdf(entity, None).unwrap_err();
+    assert!(
+        error.to_string().starts_with("the entity &v; is defined by a document type"),
+        "{error}"
+    );
+    assert_eq!(error.place().line, 2);
 }
 
 #[test]
@@ -365,7 +461,10 @@ proptest! {
     }
 
     #[test]
-    fn any_text_is_refused(text in "(<|>|/|robot|link|joint|name|=|'|\"| |a|type|revolute|&|<!--|-->|<!\\[CDATA\\[|\\]\\]>|<\\?|<!DOCTYPE|\u{fffd}|ü){0,40}") {
+    fn any_text_is_refused(
+        text in "(<|>|/|robot|link|joint|name|=|'|\"| |a|type|revolute|&|<!--|-->|<!\\[CDATA\\[|\
+                 \\]\\]>|<\\?|<!DOCTYPE|\u{fffd}|ü){0,40}"
+    ) {
         prop_assert!(Robot::default().check_urdf(&text, None).is_err());
     }
 }

@@ -45,7 +45,7 @@ pub(crate) fn steps(
     let mut steps = Builder { robot, supervised, steps: Vec::with_capacity(2 * range.len()) };
     // Part of the next motion that the blend before it does not replace. If `range` starts within
     // the program, that blend may lie before `range`.
-    let mut rest = match range.start.checked_sub(1) {
+    let mut remainder = match range.start.checked_sub(1) {
         Some(before) => corners.at_end_of(before)?.map(RoundedCorner::after),
         None => None,
     };
@@ -54,10 +54,10 @@ pub(crate) fn steps(
             // The motion before the wait ends in a blend, whose step is already there. The time
             // stamps decide if the robot stops before that blend, and for how long. Where it stops
             // in any case, the step is a wait of 0 s, which the time stamps extend.
-            Motion::Wait { overlap: 1.., .. } if steps.end_in_blend() => continue,
-            Motion::Wait { overlap: 1.., .. } | Motion::Load(_) => Some(0.0),
-            Motion::Wait { overlap: 0, seconds } => Some(*seconds),
-            Motion::Ptp(_) | Motion::Cartesian(_) => None,
+            entry if entry.is_overlapping_wait() && steps.end_in_blend() => continue,
+            entry if entry.is_overlapping_wait() => Some(0.0),
+            Motion::Load(_) => Some(0.0),
+            entry => entry.wait_s(),
         };
         if let Some(seconds) = rest_s {
             steps.push(Step::Wait { motion, seconds });
@@ -66,7 +66,7 @@ pub(crate) fn steps(
         let Some(leg) = legs.get(motion.index()) else { continue };
         let corner = corners.at_end_of(motion.index())?;
         let before = steps.steps.len();
-        steps.push_leg(motion, &leg, rest.as_ref(), corner.as_ref())?;
+        steps.push_leg(motion, &leg, remainder.as_ref(), corner.as_ref())?;
         match &corner {
             Some(RoundedCorner::InJoints(corner)) => {
                 steps.push_blend([motion, corners.next(motion)], corner, options.blend_shape)?;
@@ -85,11 +85,11 @@ pub(crate) fn steps(
             }
             None => {
                 // A motion without steps does not move, unless the blend before has used it up.
-                let still = rest.is_none() && steps.steps.len() == before;
+                let still = remainder.is_none() && steps.steps.len() == before;
                 steps.push(Step::Settle { motion, blocking: entry.is_blocking(), still });
             }
         }
-        rest = corner.map(RoundedCorner::after);
+        remainder = corner.map(RoundedCorner::after);
     }
     Ok(steps.steps)
 }
@@ -159,7 +159,7 @@ impl RoundedCorner {
     fn after(self) -> MotionRemainder {
         match self {
             Self::InJoints(corner) => MotionRemainder::Line(corner.end()),
-            Self::Curved(_, rest) => rest,
+            Self::Curved(_, remainder) => remainder,
         }
     }
 }
@@ -179,7 +179,7 @@ impl Corners<'_> {
         let size = match &self.program.motions[index] {
             Motion::Ptp(ptp) => ptp.blend.map(PathBlend::from),
             Motion::Cartesian(cartesian) => cartesian.blend,
-            Motion::Wait { .. } | Motion::Load(_) => None,
+            Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => None,
         };
         let (Some(size), Some(next)) = (size, self.legs.get(self.next(motion).index())) else {
             return Ok(None);
@@ -209,13 +209,13 @@ impl Corners<'_> {
         })?;
         Ok(corner.map(|corner| {
             let share = corner.shares[1];
-            let rest = if next.paths.is_empty() {
+            let remainder = if next.paths.is_empty() {
                 let [from, to] = next.ends_rad;
                 MotionRemainder::Line(vector::add_scaled(&from, share, &vector::sub(&to, &from)))
             } else {
                 MotionRemainder::Path(share)
             };
-            RoundedCorner::Curved(corner, rest)
+            RoundedCorner::Curved(corner, remainder)
         }))
     }
 }
@@ -468,7 +468,7 @@ impl JointCorner {
         vector::angle(&self.y0, &self.y1)
     }
 
-    /// True if the motion goes straight on, up to rounding.
+    /// True if the motion continues straight on, up to rounding.
     fn is_straight(&self) -> bool {
         self.gamma_rad() <= 1e-8
     }

@@ -16,8 +16,8 @@ pub enum BlendSearch {
     FirstCrossing,
     /// Bisection (Larsen 2019, Algorithm 1): may find another crossing than the nearest.
     Algorithm1,
-    /// Steps of 0.001 (Larsen 2019, Algorithm 2): may step over a pair of crossings, and is late by
-    /// up to one step.
+    /// Steps of 0.001 (Larsen 2019, Algorithm 2): may step over a pair of crossings, and finds a
+    /// crossing up to one step too late.
     Algorithm2,
 }
 
@@ -113,7 +113,7 @@ impl Walk<'_> {
         (0..3).map(|i| (p[i] - self.centre[i]).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Squared distance from the centre of the sphere, and half its derivative by u.
+    /// Squared distance from the centre of the sphere, and half its derivative with respect to u.
     fn squared_distance(&self, u: f64) -> (f64, f64) {
         let q = vector::add_scaled(self.point, u, &self.way);
         let (p, v) = match self.tcp {
@@ -130,8 +130,8 @@ impl Walk<'_> {
     /// |d2p/du2| (m).
     ///
     /// Per unit of angle, joint j moves the TCP by at most its distance `r_j` from the joint axis.
-    /// The second derivative by joints i <= j is the cross product of the axis of i with that
-    /// motion, so it is at most `r_j` as well.
+    /// The second derivative with respect to joints i <= j is the cross product of the axis of i
+    /// with that motion, so it is at most `r_j` as well.
     fn bounds(&self) -> (f64, f64) {
         let reach = self.reach_m();
         let mut before = 0.0;

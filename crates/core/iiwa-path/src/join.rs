@@ -16,8 +16,8 @@ const KINK: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JoinError {
-    /// A step refers to a motion without limits.
-    #[error("step {step} names motion {motion}, which has no limits")]
+    /// A step refers to a motion for which the path has no limits.
+    #[error("step {step} names motion {motion}, for which the path has no limits")]
     NoLimits {
         /// Index of the step, from 0.
         step: usize,
@@ -34,14 +34,17 @@ pub enum JoinError {
     },
     /// A segment starts in another direction than that at the end of the segment before, without a
     /// stop in between.
-    #[error("step {step} starts in another direction than the step before ends; stop in between")]
+    #[error(
+        "step {step} does not start in the direction in which the step before ends; add a stop"
+    )]
     Kink {
         /// Index of the step, from 0.
         step: usize,
     },
 }
 
-/// Checks that `steps` from `start_rad` join, and refer to motions below `motions`.
+/// Checks that `steps` join, from `start_rad` on, and that their motion indices are below
+/// `motions`, the number of motions.
 pub(crate) fn check_joins(
     start_rad: &Joints,
     steps: &[Step],

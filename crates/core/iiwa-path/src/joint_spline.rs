@@ -6,8 +6,7 @@ use iiwa_kin::{Joint, Joints, Limits, Taylor};
 
 use crate::{
     cartesian::joint_curve::{CurveFault, JointCurve, MovingJoints},
-    segment::{Derivatives, Segment},
-    tool_way::ToolWay,
+    segment::{Derivatives, Segment, ToolWay},
 };
 
 /// A curve in joint space as polynomials of degree 7 with three continuous derivatives: the form

@@ -8,14 +8,14 @@ use crate::{continuity::Continuity, crossing::BlendSearch, polynomial::KAPPA_MIN
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BlendShape {
-    /// Larsen 2019, Eq. 39 with the kappa(gamma) of the robot, by default that of Eq. 38: the shape
-    /// that the LBR iiwa uses.
+    /// The shape that the LBR iiwa uses: the blend polynomial of Larsen 2019, Eq. 39, with the
+    /// kappa(gamma) of the robot, by default that of Eq. 38.
     Iiwa,
-    /// Larsen 2019, Eq. 13.
+    /// The blend polynomial with kappa = 0 (Larsen 2019, Eq. 13).
     Alpha(Continuity),
-    /// Larsen 2019, Eq. 26 with k = 15/2.
+    /// The blend polynomial with the smallest mean acceleration (Larsen 2019, Eq. 26, k = 15/2).
     MinAcceleration,
-    /// Larsen 2019, Eq. 32.
+    /// A circle in joint space (Larsen 2019, Eq. 32).
     Circle,
 }
 
@@ -60,7 +60,7 @@ impl BlendShape {
 pub struct PathOptions {
     /// Shape of blends.
     pub blend_shape: BlendShape,
-    /// Search for the start and the end of Cartesian blends.
+    /// Search for the start and the end of blends with a radius in mm.
     pub blend_search: BlendSearch,
 }
 

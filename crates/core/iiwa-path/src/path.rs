@@ -12,17 +12,17 @@ use crate::{
     carried::Carried,
     join::{JoinError, check_joins},
     options::PathOptions,
-    path_motion::{PathMotion, has_tools, path_motions},
     segment::Segment,
     step::{Corner, Step},
 };
 use iiwa_program::{
-    Fault, MotionIndex, MotionLimits, MotionType, OverlappingWait, Program, Sources,
+    Fault, IoEntry, MotionIndex, MotionLimits, MotionType, OverlappingWait, Program, Sources,
 };
 
 pub use update::ReplacedSteps;
 
-/// The path of a motion program: the steps of the robot, in order, without time.
+/// The path of a motion program in joint space: segments, corners with a stop, settling and waits,
+/// in order. The path has no timing, except the durations of waits.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -50,9 +50,6 @@ pub struct JointPath {
     start: Joints,
     steps: Arc<Vec<Step>>,
     limits: Arc<Vec<MotionLimits>>,
-    /// The motions; empty if the program has neither tools nor frames.
-    motions: Arc<Vec<PathMotion>>,
-    has_tools: bool,
     carried: Arc<Carried>,
 }
 
@@ -107,7 +104,7 @@ impl JointPath {
         let all = 0..program.motions.len();
         let robot = Arc::new(robot.clone());
         let steps = steps(program, &robot, options, all)?;
-        let motions = path_motions(program)?;
+        let carried = Carried::new(program)?;
         Ok(Self {
             start: program.start_rad(&robot)?,
             limits: Arc::new(
@@ -117,9 +114,7 @@ impl JointPath {
                     .map(|motion| MotionLimits::of_motion(&robot, motion, &program.workcell))
                     .collect(),
             ),
-            has_tools: has_tools(&motions),
-            motions: Arc::new(motions),
-            carried: Arc::new(Carried::new(program)),
+            carried: Arc::new(carried),
             robot,
             steps: Arc::new(steps),
         })
@@ -167,8 +162,6 @@ impl JointPath {
             start: start_rad,
             steps: Arc::new(steps),
             limits: Arc::new(limits),
-            motions: Arc::default(),
-            has_tools: false,
             carried: Arc::default(),
         })
     }
@@ -250,19 +243,19 @@ impl JointPath {
     /// ```
     #[must_use]
     pub fn tcp(&self, motion: MotionIndex) -> &Pose {
-        self.motions.get(motion.index()).map_or(&Pose::IDENTITY, |motion| &motion.tcp)
+        self.carried.tcps.get(motion.index()).unwrap_or(&Pose::IDENTITY)
     }
 
     /// Payload during a motion, if any: [`Program::loads`].
     #[must_use]
     pub fn load(&self, motion: MotionIndex) -> Option<&Load> {
-        self.carried.load(motion)
+        self.carried.loads.get(motion.index())?.as_ref()
     }
 
     /// Mounting orientation of the robot base.
     #[must_use]
     pub fn mount(&self) -> &Mount {
-        self.carried.mount()
+        &self.carried.mount
     }
 
     /// Dynamics of the mounted robot with its payload during a motion.
@@ -299,25 +292,25 @@ impl JointPath {
     /// is at rest for them depends on the time stamps.
     #[must_use]
     pub fn overlapping_waits(&self) -> &[OverlappingWait] {
-        self.carried.overlapping_waits()
+        &self.carried.waits
     }
 
     /// Origins of the motions of the program, as far as they are known.
     #[must_use]
     pub fn sources(&self) -> &Sources {
-        self.carried.sources()
+        &self.carried.sources
     }
 
     /// Torque limit as a share of that of the robot, if the program limits torques.
     #[must_use]
     pub fn torque_limit_rel(&self) -> Option<f64> {
-        self.carried.torque_limit_rel()
+        self.carried.torque_limit_rel
     }
 
     /// Override of the controller, as a share; 1 if the program sets none.
     #[must_use]
     pub fn speed_override(&self) -> f64 {
-        self.carried.speed_override()
+        self.carried.speed_override.unwrap_or(1.0)
     }
 
     /// Ramp law of the robot, at the override.
@@ -362,14 +355,30 @@ impl JointPath {
     /// True if any motion moves a TCP other than the flange.
     #[must_use]
     pub fn has_tools(&self) -> bool {
-        self.has_tools
+        self.carried.has_tools
     }
 
-    /// Type of a motion; `None` for programs without tools and frames, where it follows from the
-    /// steps.
+    /// Type of a motion; `None` for other entries than inputs and outputs in programs without tools
+    /// and frames, where the type follows from the steps.
     #[must_use]
     pub fn motion_type(&self, motion: MotionIndex) -> Option<MotionType> {
-        self.motions.get(motion.index()).map(|motion| motion.motion_type)
+        let of_io = self.io(motion).map(IoEntry::motion_type);
+        of_io.or_else(|| self.carried.types.get(motion.index()).copied())
+    }
+
+    /// Input or output of an entry, if any.
+    #[must_use]
+    pub fn io(&self, motion: MotionIndex) -> Option<&IoEntry> {
+        self.carried.io.get(&motion)
+    }
+
+    /// Inputs and outputs of the program up to the entry `last`, in order.
+    #[must_use]
+    pub fn io_entries_to(
+        &self,
+        last: MotionIndex,
+    ) -> impl DoubleEndedIterator<Item = (MotionIndex, &IoEntry)> {
+        self.carried.io.range(..=last).map(|(motion, entry)| (*motion, entry))
     }
 
     /// Splines with TCP stops, and the number of stops in each: at reversals, at repeated points,

@@ -29,7 +29,8 @@ pub const PLACES: usize = 8;
 /// assert!((graph.ahead()[0] + slope[0] * graph.across()[0] - dq[0]).abs() < 1e-14);
 /// ```
 pub trait PlanarGraph {
-    /// Direction along which the curve advances evenly; 1 if joints and sigma are in rad.
+    /// Direction along which the curve advances evenly; dimensionless, because joints and sigma are
+    /// both in rad.
     fn ahead(&self) -> Joints;
 
     /// Direction in which the curve bends, in rad.
@@ -40,7 +41,8 @@ pub trait PlanarGraph {
         None
     }
 
-    /// First to third derivative of f by sigma at eight `sigma_rad`; in 1/rad, 1/rad^2 and 1/rad^3.
+    /// First to third derivative of f with respect to sigma at eight `sigma_rad`; in 1/rad, 1/rad^2
+    /// and 1/rad^3.
     fn derivatives(&self, sigma_rad: &[f64; PLACES]) -> [[f64; PLACES]; 3];
 }
 

@@ -7,8 +7,7 @@ use crate::{
     along_inverse,
     continuity::{BlendBasis, Continuity, evaluate},
     planar_graph::{BlendPolynomials, PLACES, PlanarGraph},
-    segment::{Derivatives, Segment},
-    sigma::by_sigma,
+    segment::{Derivatives, Segment, by_sigma},
 };
 
 /// k that minimises the mean squared second derivative of a blend of continuity N = 2 (Larsen 2019,
@@ -178,11 +177,11 @@ impl Segment for PolynomialBlend {
     }
 
     /// `s + alpha(s)`, which increases from 0 to 2 along the blend, and its first three derivatives
-    /// by s.
+    /// with respect to s.
     ///
-    /// At both ends, the third derivative of the path by s jumps along and across its direction.
-    /// With this parameter instead of s, only the jump across remains, which is a physical jump in
-    /// jerk.
+    /// At both ends, the third derivative of the path with respect to s jumps along and across its
+    /// direction. With this parameter instead of s, only the jump across remains, which is a
+    /// physical jump in jerk.
     fn sigma(&self, s: f64) -> [f64; 4] {
         evaluate(&self.continuity.along(), s)
     }

@@ -4,13 +4,10 @@ use std::{fmt, sync::Arc};
 
 use iiwa_kin::{Joints, vector};
 
-use crate::{
-    planar_graph::PlanarGraph,
-    sigma::{by_sigma, newton},
-    tool_way::ToolWay,
-};
+use crate::planar_graph::PlanarGraph;
 
-/// Joint positions as a function of s in [0, 1], and their first three derivatives by s.
+/// Joint positions as a function of s in [0, 1], and their first three derivatives with respect to
+/// s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Derivatives {
     /// Position, in rad.
@@ -21,6 +18,24 @@ pub struct Derivatives {
     pub ddq: Joints,
     /// Third derivative, in rad.
     pub dddq: Joints,
+}
+
+/// First to third derivative with respect to s of the TCP path length and of the angle by which the
+/// TCP turns.
+///
+/// ```
+/// use iiwa_path::ToolWay;
+///
+/// // 0.3 m in a straight line, evenly parameterised, without rotation.
+/// let way = ToolWay { way_m: [0.3, 0.0, 0.0], ..ToolWay::default() };
+/// assert_eq!(way.turn_rad, [0.0; 3]);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolWay {
+    /// Derivatives of the path length, in m; the first is not negative.
+    pub way_m: [f64; 3],
+    /// Derivatives of the angle, in rad; the first is not negative.
+    pub turn_rad: [f64; 3],
 }
 
 /// A smooth segment of a path, with its path parameter s in [0, 1].
@@ -63,8 +78,9 @@ pub trait Segment: fmt::Debug + Send + Sync {
 
     /// Length of the tangent dq/ds at the start and at the end, in rad.
     ///
-    /// At the junction of two segments, dq/ds has the same direction and only its length differs: a
-    /// speed ds/dt in one segment is that speed times the ratio of the lengths in the other.
+    /// At the junction of two segments, the tangents have the same direction and may differ in
+    /// length. dq/dt is continuous there, so that ds/dt changes by the inverse ratio of the
+    /// lengths.
     fn tangent_lengths_rad(&self) -> [f64; 2] {
         [0.0, 1.0].map(|s| vector::norm(&self.at(s).dq))
     }
@@ -75,8 +91,8 @@ pub trait Segment: fmt::Debug + Send + Sync {
         false
     }
 
-    /// True if acceleration is continuous where the segment joins its neighbours at speed: the part
-    /// of d2q/ds2 across dq/ds is zero at both ends. Jerk-limited timing requires it.
+    /// True if acceleration is continuous where the segment joins its neighbours at speed: at both
+    /// ends, d2q/ds2 has no component perpendicular to dq/ds. Jerk-limited timing requires this.
     fn has_continuous_curvature(&self) -> bool {
         true
     }
@@ -88,20 +104,20 @@ pub trait Segment: fmt::Debug + Send + Sync {
     }
 
     /// True if the TCP moves and turns evenly: [`tool_way`](Self::tool_way) is constant, and only
-    /// its first derivatives are not zero. This is the case on TCP lines and arcs, where one limit
-    /// serves both.
+    /// its first derivatives are not zero. This is the case on TCP lines and arcs: there, the
+    /// stricter of the limits on translation and on rotation is sufficient.
     fn has_even_tool_way(&self) -> bool {
         false
     }
 
-    /// Returns the segment without supervision of the flange speed, if that is
+    /// Returns the segment without the T1 speed limit of the flange, if the segment is
     /// [supervised](crate::JointPath::unsupervised).
     fn unsupervised(&self) -> Option<Arc<dyn Segment>> {
         None
     }
 
-    /// Path parameter sigma of the segment and its first three derivatives by s, in units of
-    /// [`sigma_unit_rad`](Self::sigma_unit_rad). It is 0 at s = 0 and increases with s.
+    /// Path parameter sigma of the segment and its first three derivatives with respect to s, in
+    /// units of [`sigma_unit_rad`](Self::sigma_unit_rad). It is 0 at s = 0 and increases with s.
     ///
     /// Jerk-limited stamps are a function of sigma: choose it such that d3q/dsigma3 has no jump
     /// along the path where the segment joins its neighbours. The default is s.
@@ -127,9 +143,9 @@ pub trait Segment: fmt::Debug + Send + Sync {
         newton(|s| self.sigma(s), sigma, (sigma / end).clamp(0.0, 1.0))
     }
 
-    /// First to third derivative of q by [`sigma`](Self::sigma) in rad, at `s`; in 1, 1/rad and
-    /// 1/rad^2. The jerk-limited solver calls it often: a shape may override it with a faster
-    /// formula.
+    /// First to third derivative of q with respect to [`sigma`](Self::sigma) in rad, at `s`; in 1,
+    /// 1/rad and 1/rad^2. The jerk-limited solver calls it often: a shape may override it with a
+    /// faster formula.
     fn sigma_derivatives(&self, s: f64) -> [Joints; 3] {
         let Derivatives { dq, ddq, dddq, .. } = self.at(s);
         let [one, two, three] = by_sigma(self.sigma(s), self.sigma_unit_rad());
@@ -142,8 +158,8 @@ pub trait Segment: fmt::Debug + Send + Sync {
         ]
     }
 
-    /// Position and derivatives by p, the share of [`sigma`](Self::sigma) from 0 to 1: stamps are a
-    /// function of p.
+    /// Position and derivatives with respect to p, the share of [`sigma`](Self::sigma) from 0 to 1:
+    /// stamps are a function of p.
     fn at_share(&self, p: f64) -> Derivatives {
         let [end, ..] = self.sigma(1.0);
         let s = self.s_at(p * end);
@@ -167,5 +183,66 @@ pub trait Segment: fmt::Debug + Send + Sync {
     /// joints turn fast. Empty if the curve is one piece.
     fn breaks(&self) -> &[f64] {
         &[]
+    }
+}
+
+/// First to third derivative of s with respect to sigma in rad, from sigma and its derivatives with
+/// respect to s in units of `unit_rad`.
+pub(crate) fn by_sigma([_, p, r, w]: [f64; 4], unit_rad: f64) -> [f64; 3] {
+    let one = 1.0 / (p * unit_rad);
+    let two = -r * one * one / p;
+    let three = (3.0 * r * r - p * w) * one * one * one / (p * p);
+    [one, two, three]
+}
+
+/// Returns the s in [0, 1] at which the increasing function `sigma` has a value; `s` is the initial
+/// guess.
+///
+/// Next to a much shorter neighbour, sigma is nearly flat and a Newton step overshoots far. The
+/// bracket of the root bounds the steps; a step that leaves the bracket is replaced by bisection.
+fn newton(sigma: impl Fn(f64) -> [f64; 4], value: f64, mut s: f64) -> f64 {
+    let [mut low, mut high] = [0.0, 1.0];
+    for _ in 0..NEWTON_STEPS {
+        let [current, slope, ..] = sigma(s);
+        if current < value {
+            low = s;
+        } else {
+            high = s;
+        }
+        let next = s - (current - value) / slope;
+        let next = if (low..=high).contains(&next) { next } else { f64::midpoint(low, high) };
+        let step = next - s;
+        s = next;
+        if step.abs() < 1e-15 {
+            break;
+        }
+    }
+    s
+}
+
+/// Maximum number of steps. Blends take two to four; more if bisection is needed.
+const NEWTON_STEPS: usize = 60;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Also between neighbours whose lengths differ a thousandfold and more.
+    #[test]
+    fn every_sigma_has_its_s() {
+        // The integral of 1 + (ratio - 1) (3 s^2 - 2 s^3).
+        for ratio in [1e-6, 1e-3, 0.1, 1.0, 30.0, 1e4] {
+            let by = ratio - 1.0;
+            let sigma = |s: f64| {
+                [s + by * s * s * s * (1.0 - 0.5 * s), 1.0 + by * s * s * (3.0 - 2.0 * s), 0.0, 0.0]
+            };
+            let [end, ..] = sigma(1.0);
+            for i in 0..=1_000 {
+                let value = end * f64::from(i) / 1_000.0;
+                let s = newton(sigma, value, (value / end).clamp(0.0, 1.0));
+                let [actual, ..] = sigma(s);
+                assert!((actual - value).abs() < 1e-14 * end, "{ratio} {i}: {actual} {value}");
+            }
+        }
     }
 }

@@ -70,7 +70,9 @@ impl Step {
 pub struct Corner {
     /// The motion whose target is blended away.
     pub motion: MotionIndex,
-    /// Angle between the two directions in joint space, in degrees: 0 straight on, 180 turned back
-    /// (Larsen 2019, Eq. 28).
+    /// Angle between the directions before and after the corner, in degrees: 0 straight on, 180
+    /// turned back (Larsen 2019, Eq. 28). These are TCP directions in a blend between two
+    /// paths of one TCP on which the wrist joints are not interpolated, otherwise directions in
+    /// joint space.
     pub gamma_deg: f64,
 }

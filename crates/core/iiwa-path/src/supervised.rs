@@ -6,8 +6,7 @@ use iiwa_kin::{Joints, Pose, Robot, Taylor};
 
 use crate::{
     cartesian::tcp_course::tool_way,
-    segment::{Derivatives, Segment},
-    tool_way::ToolWay,
+    segment::{Derivatives, Segment, ToolWay},
 };
 
 /// A segment whose TCP limits apply to the TCP or to the flange, whichever is faster, as the

@@ -1,7 +1,11 @@
 //! A coordinate for the translation and rotation of the TCP.
 
-use crate::{segment::Segment, sigma::by_sigma, tool_way::ToolWay};
+use crate::segment::{Segment, ToolWay, by_sigma};
 use iiwa_program::{ByKind, LimitKind, ToolLimits};
+
+/// A value for each coordinate that has limits: the seven joints and, last, the [coordinate of the
+/// tool](ToolCoordinate), which is zero where none of its limits holds.
+pub type Coordinates = [f64; 8];
 
 /// Tool coordinate w along one segment, which planners limit in the same way as the joints.
 ///
@@ -141,7 +145,8 @@ impl ToolCoordinate {
         self.of_turn[kind]
     }
 
-    /// First to third derivative by s, on the `segment` for which the coordinate was created.
+    /// First to third derivative with respect to s, on the `segment` for which the coordinate was
+    /// created.
     #[must_use]
     pub fn derivatives(&self, segment: &dyn Segment, s: f64) -> [f64; 3] {
         match self.form {
@@ -155,7 +160,7 @@ impl ToolCoordinate {
         }
     }
 
-    /// First to third derivative by [sigma](Segment::sigma) in rad, at `s`.
+    /// First to third derivative with respect to [sigma](Segment::sigma) in rad, at `s`.
     #[must_use]
     pub fn sigma_derivatives(&self, segment: &dyn Segment, s: f64) -> [f64; 3] {
         let [dw, ddw, dddw] = self.derivatives(segment, s);

@@ -29,7 +29,9 @@ fn any_blend() -> impl Strategy<Value = Option<Blend>> {
 fn any_motion() -> impl Strategy<Value = Motion> {
     prop_oneof![
         1 => (0.0..86_400.0_f64).prop_map(|seconds| Motion::Wait { seconds, overlap: 0 }),
-        4 => (any_joints(), any_share(), any_share(), any_share(), any_blend(), any::<bool>()).prop_map(
+        4 => (
+            any_joints(), any_share(), any_share(), any_share(), any_blend(), any::<bool>()
+        ).prop_map(
             |(target_rad, velocity_rel, acceleration_rel, jerk_rel, blend, blocking)| {
                 let blocking = blocking && blend.is_none();
                 Motion::Ptp(Ptp {

@@ -59,7 +59,7 @@ fn not_json() {
         ("", 1, 1, "the text ends too early"),
         ("\n\n", 1, 1, "the text ends too early"),
         ("plan.json", 1, 1, "this is not JSON: a value is expected"),
-        ("\u{feff}{}", 1, 1, "this is not JSON: a value is expected"),
+        ("\u{feff}{}", 1, 1, "the key `version` is missing"),
         ("<xml/>", 1, 1, "this is not JSON: a value is expected"),
         ("[]", 1, 1, "expected an object, found a list"),
         ("null", 1, 1, "expected an object, found null"),
@@ -129,7 +129,8 @@ fn a_byte_too_many_or_too_few() {
 #[test]
 fn unknown_names() {
     let ptp = "one of `type`, `joints_rad`, `joints_deg`, `frame`, `tool`, `base`, `velocity_rel`, \
-               `acceleration_rel`, `jerk_rel`, `blend`, `blocking`, `source`";
+               `acceleration_rel`, `jerk_rel`, `blend`, `blocking`, `name`, `comment`, `group`, \
+               `source`";
     let message = format!("motion 2: unknown key `speed`, expected {ptp}");
     check("\"velocity_rel\"", "\"speed\"", (6, 64), "\"speed\"", &message);
     let message = "motion 2: unknown key `velocity`; did you mean `velocity_rel`?";
@@ -138,7 +139,7 @@ fn unknown_names() {
     check("\"start\"", "\"robots\": [], \"start\"", (3, 3), "\"robots\"", message);
     let message = "expected a string, found `1`";
     check("\"version\"", "\"$schema\": 1, \"version\"", (2, 14), "1", message);
-    let message = "unknown key `joints`, expected one of `joints_rad`, `joints_deg`, `frame`";
+    let message = "unknown key `joints`; did you mean `joints_deg`?";
     check("\"joints_deg\"", "\"joints\"", (3, 14), "\"joints\"", message);
     let message = "motion 3: unknown key `second`; did you mean `seconds`?";
     check("\"seconds\"", "\"second\"", (7, 23), "\"second\"", message);
@@ -148,14 +149,15 @@ fn unknown_names() {
 
     let message = "motion 3: unknown type `Wait`; did you mean `wait`?";
     check("\"wait\"", "\"Wait\"", (7, 15), "\"Wait\"", message);
-    let types = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait` and `load` are known";
+    let types = "`ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait`, `load`, `set`, \
+                 `wait_for` and `repeat` are known";
     let message = format!("motion 3: unknown type `fly`; {types}");
     check("\"wait\"", "\"fly\"", (7, 15), "\"fly\"", &message);
     let message = format!("motion 3: it has no `type`; {types}");
     check("\"type\": \"wait\", ", "", (7, 5), "{", &message);
     let message = "motion 3: expected a string, found `3`";
     check("\"wait\"", "3", (7, 15), "3", message);
-    let message = "motion 3: the key `type` is there twice";
+    let message = "motion 3: the key `type` appears twice";
     check("\"wait\"", "\"wait\", \"type\": \"ptp\"", (7, 23), "\"type\"", message);
 }
 
@@ -212,7 +214,7 @@ fn joints_that_are_not_seven_numbers() {
         &format!("{joints}, {joints}"),
         (8, 64),
         "\"joints_deg\"",
-        "motion 4: the key `joints_deg` is there twice",
+        "motion 4: the key `joints_deg` appears twice",
     );
 }
 

@@ -60,7 +60,7 @@ fn invalid_motions_are_refused_with_their_place() {
         ("/tool", json!("hammer"), vec!["unknown tool `hammer`", "`gripper/left`"]),
         ("/base", json!("floor"), vec!["unknown base `floor`", "`table`, `tray`"]),
         ("/motions/0/frame", json!("place"), vec!["motion 1", "unknown frame `place`", "`pick`"]),
-        ("/bases/table/base", json!("tray"), vec!["given in itself"]),
+        ("/bases/table/base", json!("tray"), vec!["refers to itself"]),
         ("/motions/0/frame", to(2000.0, 300.0, &json!({})), vec!["motion 1", "mm too short"]),
         (
             "/motions/0/frame",
@@ -146,21 +146,26 @@ fn singular_poses_are_refused_with_a_way_out() {
 fn names_are_there_once() {
     let text = good().to_string().replace("\"tray\":", "\"table\": {}, \"tray\":");
     let refused = Program::from_json(&text).unwrap_err().to_string();
-    assert!(refused.contains("the name `table` is there twice"), "{refused}");
+    assert!(refused.contains("the name `table` appears twice"), "{refused}");
 }
 
 /// The orientation of an auxiliary frame that equals that of the start or the end changes the path
 /// by next to nothing, also with rounding errors.
 #[test]
 fn auxiliary_orientations_at_an_end_do_not_turn_the_path() {
-    let frame = |y: f64, x: f64, a: f64| json!({ "x_mm": x, "y_mm": y, "z_mm": 400, "a_deg": a, "b_deg": 180, "c_deg": 0 });
+    let frame = |y: f64, x: f64, a: f64| {
+        json!({
+            "x_mm": x, "y_mm": y, "z_mm": 400, "a_deg": a, "b_deg": 180, "c_deg": 0
+        })
+    };
     let turns = |aux_deg: f64| {
         let program = json!({
             "version": 1,
             "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
             "motions": [
                 { "type": "ptp", "frame": frame(-50.0, 550.0, 13.0) },
-                { "type": "circ", "aux": frame(0.0, 600.0, aux_deg), "frame": frame(50.0, 550.0, 53.0) }
+                { "type": "circ", "aux": frame(0.0, 600.0, aux_deg),
+                  "frame": frame(50.0, 550.0, 53.0) }
             ]
         });
         let path = plan(&program).unwrap();

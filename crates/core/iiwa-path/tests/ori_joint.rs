@@ -96,7 +96,8 @@ fn circles_and_offsets_have_it_too() {
     let path = plan(&program(&circ)).unwrap();
     assert!((only_move(&path).at(1.0).q[5].to_degrees() + 25.0).abs() < 1e-6);
     let offset = json!([
-        { "type": "lin_rel", "offset": { "z_mm": 40, "b_deg": 10 }, "orientation": "ori_joint", "blend": { "cart_mm": 15 } },
+        { "type": "lin_rel", "offset": { "z_mm": 40, "b_deg": 10 }, "orientation": "ori_joint",
+          "blend": { "cart_mm": 15 } },
         { "type": "lin_rel", "offset": { "x_mm": 40 } }
     ]);
     let path = plan(&program(&offset)).unwrap();
@@ -136,7 +137,8 @@ fn blends_by_orientation_are_small() {
     let end = [16.0, 45.0, 20.0, -62.0, 5.0, -25.0, 60.0];
     let remaining = |ori_deg: f64| {
         let motions = json!([
-            { "type": "lin", "frame": target(end), "orientation": "ori_joint", "blend": { "ori_deg": ori_deg } },
+            { "type": "lin", "frame": target(end), "orientation": "ori_joint",
+              "blend": { "ori_deg": ori_deg } },
             { "type": "lin_rel", "offset": { "x_mm": 40 } }
         ]);
         let path = plan(&program(&motions)).unwrap();

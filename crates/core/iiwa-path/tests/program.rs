@@ -16,7 +16,8 @@ use crate::any_program::any_program;
 
 fn read(motions: &str) -> Program {
     Program::from_json(&format!(
-        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{motions}] }}"#
+        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }},
+            "motions": [{motions}] }}"#
     ))
     .unwrap()
 }
@@ -272,7 +273,8 @@ fn blends_beyond_either_end_of_the_range_are_refused() {
 fn torque_limits_are_a_share_of_the_robot_s() {
     let limits = |key: &str| {
         let text = format!(
-            r#"{{ "version": 1, {key} "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [{{ "type": "ptp", "joints_deg": [9, 30, 0, -60, 0, 90, 0] }}] }}"#
+            r#"{{ "version": 1, {key} "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }},
+                "motions": [{{ "type": "ptp", "joints_deg": [9, 30, 0, -60, 0, 90, 0] }}] }}"#
         );
         path(&Program::from_json(&text).unwrap()).torque_limits_nm()
     };

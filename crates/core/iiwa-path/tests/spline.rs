@@ -60,7 +60,8 @@ fn off(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Largest jumps of the path where segments meet: of q, and of its first two derivatives by sigma.
+/// Largest jumps of the path where segments meet: of q, and of its first two derivatives with
+/// respect to sigma.
 fn jumps(moves: &[&dyn Segment]) -> [f64; 3] {
     let mut worst = [0.0_f64; 3];
     for ends in moves.windows(2) {
@@ -222,7 +223,11 @@ fn it_stops_where_two_lines_meet_at_an_angle() {
 
 #[test]
 fn orientations_are_kept_or_ignored() {
-    let with = |kind: &str, orientation: &str, frame: Value| json!({ "type": kind, "orientation": orientation, "frame": frame });
+    let with = |kind: &str, orientation: &str, frame: Value| {
+        json!({
+            "type": kind, "orientation": orientation, "frame": frame
+        })
+    };
     let segments = [
         with("spl", "constant", frame(40.0, 30.0, 20.0)),
         with("lin", "constant", frame(80.0, 30.0, 40.0)),
@@ -332,7 +337,8 @@ fn it_reads_back_as_it_is() {
     circ["orientation_reference"] = json!("path");
     let motions = json!([
         { "type": "spl", "frame": frame(-60.0, -40.0, 0.0) },
-        { "type": "spline", "segments": [circ, segment("spl", frame(0.0, 0.0, 0.0))], "cart_velocity_mm_s": 100.0 }
+        { "type": "spline", "segments": [circ, segment("spl", frame(0.0, 0.0, 0.0))],
+          "cart_velocity_mm_s": 100.0 }
     ]);
     let program = Program::from_json(&program(&motions).to_string()).unwrap();
     let again = Program::from_json(&program.to_json()).unwrap();

@@ -92,10 +92,12 @@ fn a_tool_that_is_not_there_is_a_fault() {
 fn blend_size_is_measured_at_the_tcp() {
     const RADIUS_MM: f64 = 60.0;
     let program = Program::from_json(
-        r#"{ "version": 1, "tools": { "long": { "tcp": { "x_mm": 80, "z_mm": 250 } } }, "tool": "long",
-             "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
-             "motions": [{ "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 30, 60], "blend": { "cart_mm": 60 } },
-                         { "type": "ptp", "joints_deg": [60, 50, 0, -60, 20, 30, 0] }] }"#,
+        r#"{ "version": 1, "tools": { "long": { "tcp": { "x_mm": 80, "z_mm": 250 } } },
+             "tool": "long", "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+             "motions": [
+                { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 30, 60],
+                  "blend": { "cart_mm": 60 } },
+                { "type": "ptp", "joints_deg": [60, 50, 0, -60, 20, 30, 0] }] }"#,
     )
     .unwrap();
     let path = path(&program);

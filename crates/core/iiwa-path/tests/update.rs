@@ -25,7 +25,7 @@ fn motion() -> impl Strategy<Value = Motion> {
         }),
         1 => (0.0..2.0_f64).prop_map(|seconds| Motion::Wait { seconds, overlap: 0 }),
         1 => prop::option::of(0.0..9.0_f64).prop_map(|mass| {
-            Motion::Load(mass.map(|mass_kg| Load { mass_kg, ..Load::default() }))
+            Motion::Load(mass.map(|mass_kg| Load { mass_kg, ..Load::default() }.into()))
         }),
     ]
 }

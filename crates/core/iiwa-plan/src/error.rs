@@ -1,8 +1,10 @@
 //! Reasons why a program cannot be read or planned.
 
-use iiwa_json::{JsonPlace, JsonStep, excerpt, locate};
+use std::{collections::BTreeSet, slice};
+
+use iiwa_json::{JsonPlace, JsonStep, excerpt, further_errors, locate};
 use iiwa_kin::{ProfileError, Robot};
-use iiwa_program::{MotionIndex, ProgramError, Sources};
+use iiwa_program::{Fault, MAX_ERRORS, MotionIndex, Program, ProgramError, Sources, motion_path};
 use iiwa_traj::{PlanError, TimingError};
 
 /// Error: a program cannot be read or planned. The message of [`Display`](std::fmt::Display) ends
@@ -53,6 +55,10 @@ pub enum Error {
         /// Planner error.
         error: Box<PlanError>,
     },
+    /// Several errors that are independent of each other, in the order of their places; at most
+    /// [`MAX_ERRORS`].
+    #[error("{}{}", .0[0], further_errors(.0.len() - 1))]
+    Several(Vec<Self>),
 }
 
 impl Error {
@@ -69,11 +75,46 @@ impl Error {
         let motion = error.motion();
         let place = match &error {
             PlanError::Fault(fault) => Some(fault.place_in(text)),
-            _ => motion.map(|motion| {
-                locate(text, &[JsonStep::Key("motions"), JsonStep::Index(motion.index())])
-            }),
+            _ => motion.map(|motion| locate(text, &motion_path(text, motion))),
         };
         Self::Plan { message, place, motion, error: Box::new(error) }
+    }
+
+    /// All errors of the program `text`, the first of which is `first`.
+    pub(crate) fn of_text(first: ProgramError, text: &str) -> Self {
+        Self::several(Program::all_errors(text, first).into_iter().map(Self::Program))
+    }
+
+    /// All errors of a program, read from `text`, whose path cannot be built for `robot` because of
+    /// the fault `first`.
+    pub(crate) fn of_path(first: Fault, program: &Program, robot: &Robot, text: &str) -> Self {
+        let mut faults = vec![first];
+        faults.extend(program.faults(robot));
+        faults.sort_by_key(|fault| fault.motion().map(MotionIndex::index));
+        // The first fault is among the others.
+        faults.truncate(MAX_ERRORS + 1);
+        let plan = |fault: Fault| Self::plan(fault.into(), &program.sources, text);
+        let mut errors: Vec<Self> = faults.into_iter().map(plan).collect();
+        // An unknown name may be in use several times.
+        let mut places = BTreeSet::new();
+        errors.retain(|error| error.place().is_none_or(|it| places.insert(it.span.start)));
+        errors.truncate(MAX_ERRORS);
+        Self::several(errors)
+    }
+
+    /// Several errors, or a single one.
+    pub(crate) fn several(errors: impl IntoIterator<Item = Self>) -> Self {
+        let mut errors = Vec::from_iter(errors);
+        if errors.len() == 1 { errors.remove(0) } else { Self::Several(errors) }
+    }
+
+    /// The independent errors: this one, or those of [`Several`](Self::Several).
+    #[must_use]
+    pub fn errors(&self) -> &[Self] {
+        match self {
+            Self::Several(errors) => errors,
+            error => slice::from_ref(error),
+        }
     }
 
     /// Error message without the place.
@@ -84,6 +125,9 @@ impl Error {
             Self::Program(error) => error.message(),
             Self::UnknownRobot { name, reason, .. } => unknown_robot(name, reason),
             Self::Plan { message, .. } => message.clone(),
+            Self::Several(errors) => {
+                format!("{}{}", errors[0].message(), further_errors(errors.len() - 1))
+            }
         }
     }
 
@@ -96,6 +140,7 @@ impl Error {
             Self::Program(error) => Some(error.place()),
             Self::UnknownRobot { place, .. } => Some(place),
             Self::Plan { place, .. } => place.as_ref(),
+            Self::Several(errors) => errors[0].place(),
         }
     }
 
@@ -106,6 +151,7 @@ impl Error {
             Self::File { .. } | Self::UnknownRobot { .. } | Self::Profile { .. } => None,
             Self::Program(error) => error.motion(),
             Self::Plan { motion, .. } => *motion,
+            Self::Several(errors) => errors[0].motion(),
         }
     }
 

@@ -1,16 +1,21 @@
 //! Plans of motion programs: from a text or a file to the trajectory, its figures and its warnings.
 //!
 //! A [`ProgramSource`] is a program with the files that it names. A [`PlanRequest`] selects robot,
-//! torque limit and override; its [`PlanOptions`] select path options and timing.
-//! [`PlanRequest::plan`] returns the whole [`Plan`], [`PlanRequest::begin`] a [`Planning`], which
-//! keeps the trajectory of one section at a time. [`PlanRequest`] reports all failures as an
-//! [`Error`], with the place in the program's text if it is known.
+//! torque limit and speed override; its [`PlanOptions`] select path options and timing.
+//! [`PlanRequest::plan`] returns the whole [`Plan`]. [`PlanRequest::begin`] returns a [`Planning`],
+//! an iterator over the sections of the trajectory, from stop to stop: each section is planned when
+//! the caller asks for it. [`PlanRequest`] reports all failures as an [`Error`], with the place in
+//! the program's text if it is known.
 //!
 //! ```
 //! use iiwa_plan::{PlanRequest, ProgramSource};
 //!
-//! let text = r#"{ "version": 1, "robot": "lbr_iiwa_14_r820", "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
-//!     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
+//! let text = r#"{
+//!     "version": 1,
+//!     "robot": "lbr_iiwa_14_r820",
+//!     "start": { "joints_deg": [-20, 0, 0, 0, 0, 0, 0] },
+//!     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }]
+//! }"#;
 //! let plan = PlanRequest::default().plan(&ProgramSource::from_json(text)?)?;
 //! assert_eq!(plan.robot().name(), "lbr_iiwa_14_r820");
 //! assert!(plan.trajectory.cycle_time_s() > 0.8);
@@ -19,6 +24,10 @@
 //! ```
 
 mod error;
+mod group_record;
+mod io_rows;
+mod load_record;
+mod meshes;
 mod plan;
 mod plan_figures;
 mod plan_gates;
@@ -26,23 +35,26 @@ mod plan_options;
 mod plan_request;
 mod planning;
 mod program_source;
-mod program_text;
+mod repeat_record;
 mod rests_on;
 mod torque_record;
 mod warnings;
 
 pub use error::Error;
+pub use group_record::GroupRecord;
+pub use load_record::LoadRecord;
+pub use meshes::embedded_mesh;
 pub use plan::Plan;
 pub use plan_figures::{
     BlendRecord, CartesianRecord, ClearanceRecord, LateBlendRecord, LimitRecord, LimitShareRecord,
-    MotionRecord, PlanFigures, SelfClearanceRecord, SingularityRecord, SourceRecord,
+    MotionRecord, PlanFigures, SelfClearanceRecord, SingularityRecord,
 };
-pub use plan_gates::{PlanGates, UnmetGates};
+pub use plan_gates::{PlanGates, UnmetGates, is_above};
 pub use plan_options::PlanOptions;
 pub use plan_request::PlanRequest;
 pub use planning::Planning;
-pub use program_source::ProgramSource;
-pub use program_text::ProgramText;
+pub use program_source::{ProgramSource, ProgramText};
+pub use repeat_record::RepeatRecord;
 pub use rests_on::AssumptionRecord;
 pub use torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 pub use warnings::warnings;

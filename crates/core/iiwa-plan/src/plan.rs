@@ -6,7 +6,7 @@ use iiwa_kin::Robot;
 use iiwa_program::Program;
 use iiwa_traj::Trajectory;
 
-use crate::{PlanFigures, PlanOptions, warnings::warnings};
+use crate::{LoadRecord, PlanFigures, PlanOptions, warnings::warnings};
 
 /// Plan of a whole program.
 #[derive(Clone, Debug)]
@@ -29,7 +29,9 @@ impl Plan {
     /// Figures of the plan.
     #[must_use]
     pub fn figures(&self) -> PlanFigures {
-        PlanFigures::of(&self.trajectory, &self.options)
+        let mut figures = PlanFigures::of(&self.trajectory, &self.options);
+        figures.loads = LoadRecord::all(&self.program);
+        figures
     }
 
     /// Warnings about the program and its torques, as messages for the user. `figures` are those

@@ -5,7 +5,8 @@ use std::fmt;
 use std::iter::zip;
 
 use iiwa_kin::{Joint, Robot};
-use iiwa_program::Source;
+use iiwa_path::JointPath;
+use iiwa_program::{IoEntry, IoValue, MotionIndex, MotionLabel, Round, Source, motion_origin};
 use iiwa_traj::{
     BlendFigures, CartesianFigures, LateBlend, Limit, MotionFigures, Section, Timing,
     TorqueFigures, Totals, Trajectory,
@@ -15,6 +16,10 @@ use serde::{Deserialize, Serialize};
 use crate::torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 use crate::{
     PlanOptions,
+    group_record::GroupRecord,
+    io_rows::{self, OverlapClock},
+    load_record::LoadRecord,
+    repeat_record::RepeatRecord,
     rests_on::{self, AssumptionRecord},
 };
 
@@ -63,13 +68,26 @@ pub struct PlanFigures {
     /// version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub power: Option<PowerRecord>,
-    /// Motions and waits of the program that have a duration, in order.
+    /// Motions and waits of the program that have a duration, and all inputs and outputs, in order.
     pub motions: Vec<MotionRecord>,
+    /// Changes of the load, in order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<LoadRecord>,
+    /// Groups of motions, in the order of their first motions; of complete plans only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<GroupRecord>,
+    /// Repeat blocks in the order of the program, each before its inner blocks; of complete plans
+    /// only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub repeats: Vec<RepeatRecord>,
     /// Blends between the motions, in order.
     pub blends: Vec<BlendRecord>,
     /// Blends before which the robot stops because the next motion is not known in time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub blends_too_late: Vec<LateBlendRecord>,
+    /// Time of the entries that overlap motions, in the sections so far.
+    #[serde(skip)]
+    clock: OverlapClock,
 }
 
 /// A blend into a motion that is not known in time: the robot stops at the start of the blend.
@@ -83,30 +101,13 @@ pub struct LateBlendRecord {
     pub needed_s: f64,
 }
 
-/// Source line of a motion.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SourceRecord {
-    /// File name.
-    pub file: String,
-    /// Line number, from 1.
-    pub line: u32,
-}
-
-/// Writes `Welding.java:84`, as compilers do.
-impl fmt::Display for SourceRecord {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { file, line } = self;
-        write!(f, "{file}:{line}")
-    }
-}
-
 /// Smallest distance between the arm and the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClearanceRecord {
     /// Distance in mm; 0 if the arm touches the obstacle.
     pub distance_mm: f64,
-    /// Link of the arm, 2 to 7, or 8 for the tool. Links 0 and 1 have the same distances at all
-    /// poses.
+    /// Link of the arm, 2 to 7, 8 for the tool, or 9 for the workpiece. Links 0 and 1 have the same
+    /// distances at all poses.
     pub link: usize,
     /// Obstacle name.
     pub obstacle: String,
@@ -119,7 +120,7 @@ pub struct ClearanceRecord {
 pub struct SelfClearanceRecord {
     /// Distance in mm; 0 if the two links touch.
     pub distance_mm: f64,
-    /// First link, 3 to 7, or 8 for the tool.
+    /// First link, 3 to 7, 8 for the tool, or 9 for the workpiece.
     pub link: usize,
     /// Second link, 0 to 5: at least three numbers lower, since closer links are assumed not to
     /// touch each other.
@@ -128,13 +129,25 @@ pub struct SelfClearanceRecord {
     pub at_s: f64,
 }
 
-/// A motion of the program, or a wait.
+/// A motion of the program, a wait, or an input or output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionRecord {
     /// Number in the program, from 1.
     pub index: usize,
-    /// Type: `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl` or `wait`.
+    /// Type: `ptp`, `lin`, `lin_rel`, `circ`, `spline`, `spl`, `wait`, `set` or `wait_for`.
     pub r#type: Cow<'static, str>,
+    /// Name, comment and group, if the motion has any of them.
+    #[serde(flatten)]
+    pub label: MotionLabel,
+    /// Rounds in the repeat blocks that contain the motion, the outermost block first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rounds: Vec<Round>,
+    /// Name of the output that is set, or of the input that the program waits for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub io: Option<String>,
+    /// New value of the output, or the value that the input is assumed to have at the end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<IoValue>,
     /// Start time, in s.
     pub start_s: f64,
     /// End time, in s.
@@ -142,7 +155,8 @@ pub struct MotionRecord {
     /// Top speed: the largest share of a joint's velocity limit (the robot's limit, not the
     /// motion's), 0 to 1.
     pub peak_velocity_rel: f64,
-    /// Limit that is active for the longest time, if any.
+    /// Limit that is active for the longest time or, if none is active, the one that the motion
+    /// approaches most closely; `None` for a wait.
     pub limited_by: Option<LimitRecord>,
     /// Active limits, with their shares of the time.
     pub limits: Vec<LimitShareRecord>,
@@ -154,7 +168,7 @@ pub struct MotionRecord {
     pub torque: Option<TorqueRecord>,
     /// Source line, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub source: Option<SourceRecord>,
+    pub source: Option<Source>,
 }
 
 /// TCP figures of a motion to a frame, or of a motion in a program with a tool.
@@ -206,7 +220,8 @@ pub struct LimitRecord {
 pub struct BlendRecord {
     /// Motion whose target is blended, from 1.
     pub after_motion: usize,
-    /// Angle between the two motions in joint space, in deg.
+    /// Angle between the two motions, in deg: between the TCP directions in a blend between two
+    /// paths of one TCP on which the wrist joints are not interpolated, otherwise in joint space.
     pub gamma_deg: f64,
     /// Joint positions at the start of the blend, in rad.
     pub start_rad: [f64; 7],
@@ -223,6 +238,41 @@ pub struct BlendRecord {
 }
 
 impl MotionRecord {
+    /// Number, name, source and rounds of the motion for messages, for example
+    /// `motion 4 "seam" (Welding.java:84)`. A long name is shortened.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let Self { index, label, source, rounds, .. } = self;
+        format!("motion {index}{}", motion_origin(label.name.as_deref(), source.as_ref(), rounds))
+    }
+
+    /// Input or output and its value, for tables and messages, for example `Gripper.Closed = true`;
+    /// `None` for other entries.
+    #[must_use]
+    pub fn io_text(&self) -> Option<String> {
+        self.io.as_deref().zip(self.value).map(|(io, value)| format!("{io} = {value}"))
+    }
+
+    /// Row of an input or output without a piece of the trajectory.
+    pub(crate) fn of_io(path: &JointPath, motion: MotionIndex, entry: &IoEntry, at_s: f64) -> Self {
+        Self {
+            index: motion.number(),
+            r#type: entry.motion_type().name().into(),
+            label: path.sources().label(motion).cloned().unwrap_or_default(),
+            rounds: path.sources().rounds(motion),
+            io: Some(entry.io.clone()),
+            value: Some(entry.value),
+            start_s: at_s,
+            end_s: at_s,
+            peak_velocity_rel: 0.0,
+            limited_by: None,
+            limits: Vec::new(),
+            cartesian: None,
+            torque: None,
+            source: path.sources().of(motion).cloned(),
+        }
+    }
+
     /// Appends the part of the motion after an intermediate stop.
     fn go_on(&mut self, next: Self) {
         let times = [self.end_s - self.start_s, next.end_s - next.start_s];
@@ -293,17 +343,46 @@ impl PlanFigures {
             energy_j: None,
             power: None,
             motions: Vec::new(),
+            loads: Vec::new(),
+            groups: Vec::new(),
+            repeats: Vec::new(),
             blends: Vec::new(),
             blends_too_late: Vec::new(),
+            clock: OverlapClock::default(),
         }
     }
 
-    /// Figures of a whole trajectory planned with `options`.
+    /// Figures of a whole trajectory planned with `options`. The changes of the load are not known:
+    /// they do not belong to the trajectory.
     #[must_use]
     pub fn of(trajectory: &Trajectory, options: &PlanOptions) -> Self {
         let mut figures = Self::new(options.timing, trajectory.path().robot(), options.samples);
         trajectory.sections().iter().for_each(|section| figures.add(section));
+        figures.add_groups(trajectory.path());
         figures
+    }
+
+    /// Adds up the times of groups and of repeat blocks, after the last section of `path`.
+    pub fn add_groups(&mut self, path: &JointPath) {
+        let motions = self.motions.iter();
+        let motions =
+            motions.map(|motion| (motion.label.group.as_deref(), motion.end_s - motion.start_s));
+        self.groups = GroupRecord::all(motions, self.cycle_time_s);
+        // The row of an input or output that delays nothing is at the start of a motion before the
+        // entry: it does not show the end of that motion.
+        let delays = |row: &MotionRecord| {
+            let motion = MotionIndex::from_number(row.index);
+            let overlaps = motion.and_then(|it| path.io(it)).is_some_and(|it| it.overlap > 0);
+            row.end_s > row.start_s || !overlaps
+        };
+        let rows = self.motions.iter().filter(|row| delays(row));
+        let rows: Vec<(usize, f64)> = rows.map(|row| (row.index, row.start_s)).collect();
+        let start_s = |index: usize| {
+            // Motion numbers start at 1, and some entries have no duration.
+            let next = rows.partition_point(|(number, _)| *number <= index);
+            rows.get(next).map_or(self.cycle_time_s, |(_, start_s)| *start_s)
+        };
+        self.repeats = RepeatRecord::all(path.sources().repeats(), &start_s, self.cycle_time_s);
     }
 
     /// Adds the next section of the trajectory.
@@ -331,8 +410,13 @@ impl PlanFigures {
         let sources = section.path().sources();
         for (motion, torques) in zip(&section.motions(), &torques.motions) {
             let torque = Some(TorqueRecord::from(torques));
-            let source = sources.of(motion.motion).map(SourceRecord::from);
-            let motion = MotionRecord { torque, source, ..MotionRecord::from(motion) };
+            let source = sources.of(motion.motion).cloned();
+            let label = sources.label(motion.motion).cloned().unwrap_or_default();
+            let rounds = sources.rounds(motion.motion);
+            let entry = section.path().io(motion.motion);
+            let (io, value) = (entry.map(|entry| entry.io.clone()), entry.map(|entry| entry.value));
+            let motion = MotionRecord::from(motion);
+            let motion = MotionRecord { label, rounds, io, value, torque, source, ..motion };
             match self.motions.last_mut().filter(|last| last.index == motion.index) {
                 // The motion stopped on its way, as a spline does where segments do not join
                 // smoothly.
@@ -341,8 +425,27 @@ impl PlanFigures {
             }
         }
         rests_on::add(&mut self.rests_on, section, &self.timing);
+        self.add_io(section);
         self.blends.extend(section.blends().iter().map(BlendRecord::from));
         self.blends_too_late.extend(section.late_blend().map(LateBlendRecord::from));
+    }
+
+    /// Adds the rows of inputs and outputs without a piece of the trajectory, and the assumptions
+    /// about inputs.
+    fn add_io(&mut self, section: &Section) {
+        let row = |motions: &[MotionRecord], motion: MotionIndex| {
+            motions.binary_search_by_key(&motion.number(), |row| row.index)
+        };
+        let entries = io_rows::entries(section, |motion| row(&self.motions, motion).is_ok());
+        for (motion, entry) in entries {
+            if let Err(place) = row(&self.motions, motion) {
+                let start_s = |motion| Some(self.motions[row(&self.motions, motion).ok()?].start_s);
+                let at_s = io_rows::time_s(&mut self.clock, section, motion, entry, start_s);
+                let record = MotionRecord::of_io(section.path(), motion, entry, at_s);
+                self.motions.insert(place, record);
+            }
+            rests_on::add_io(&mut self.rests_on, motion, entry);
+        }
     }
 
     /// Adds a clearance; the smallest is kept, the first of equal ones.
@@ -391,7 +494,7 @@ impl PlanFigures {
         const NAMED: usize = 10;
         let warning = |motion: &MotionRecord| {
             let message = motion.torque.as_ref()?.warning()?;
-            Some(format!("motion {}: {message}", motion.index))
+            Some(format!("{}: {message}", motion.title()))
         };
         let mut all = self.motions.iter().filter_map(warning);
         let mut warnings: Vec<_> = all.by_ref().take(NAMED).collect();
@@ -424,6 +527,10 @@ impl From<&MotionFigures> for MotionRecord {
         Self {
             index: figures.motion.number(),
             r#type: figures.kind.name().into(),
+            label: MotionLabel::default(),
+            rounds: Vec::new(),
+            io: None,
+            value: None,
             start_s: figures.start_s,
             end_s: figures.end_s,
             peak_velocity_rel: figures.peak_velocity_rel,
@@ -453,12 +560,6 @@ impl From<&CartesianFigures> for CartesianRecord {
             status: figures.status.bits(),
             e1_deg: figures.e1_rad.map(f64::to_degrees),
         }
-    }
-}
-
-impl From<&Source> for SourceRecord {
-    fn from(Source { file, line }: &Source) -> Self {
-        Self { file: file.clone(), line: *line }
     }
 }
 

@@ -66,9 +66,19 @@ impl UnmetGates {
     }
 }
 
-/// Returns true if a value is beyond an upper limit, and is also printed so: the printed decimals
-/// are the promised precision.
-fn is_above(value: f64, limit: f64, decimals: usize) -> bool {
+/// Returns true if a value is above a limit, and is also above the limit as it is printed with
+/// `decimals`: the printed decimals are the promised precision of a figure. A message such as
+/// "20.0 mm, less than 20 mm" is therefore impossible. For a lower limit, negate both numbers.
+///
+/// ```
+/// use iiwa_plan::is_above;
+///
+/// assert!(!is_above(20.04, 20.0, 1)); // Printed as 20.0.
+/// assert!(is_above(20.06, 20.0, 1)); // Printed as 20.1.
+/// assert!(!is_above(20.06, 20.08, 1)); // Printed as 20.1, but not above the limit.
+/// ```
+#[must_use]
+pub fn is_above(value: f64, limit: f64, decimals: usize) -> bool {
     let printed = format!("{value:.decimals$}").parse().unwrap_or(value);
     value > limit && printed > limit
 }
@@ -95,4 +105,39 @@ fn touches_itself(nearest: &SelfClearanceRecord) -> Option<String> {
     let SelfClearanceRecord { distance_mm, link, other_link, at_s } = nearest;
     let [part, other] = [*link, *other_link].map(part_name);
     (*distance_mm == 0.0).then(|| format!("touches itself: {part} and {other} at {at_s:.3} s"))
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_kin::Robot;
+    use iiwa_traj::Timing;
+
+    use super::*;
+
+    /// Checks values near a limit: a value that is printed as the limit meets the gate.
+    #[test]
+    fn gates_agree_with_the_printed_values() {
+        let mut figures = PlanFigures::new(Timing::default(), &Robot::lbr_iiwa_7_r800(), 100);
+        let near = [
+            (19.96, 20.0, None),
+            (19.94, 20.0, Some("comes within 19.9 mm of column, less than 20 mm")),
+            (20.04, 20.0, None),
+            (19.96, 19.97, None),
+            (19.94, 19.93, None),
+        ];
+        for (distance_mm, limit_mm, expected) in near {
+            let obstacle = "column".to_owned();
+            figures.clearance = Some(ClearanceRecord { distance_mm, link: 7, obstacle, at_s: 1.0 });
+            let gates = PlanGates { min_clearance_mm: Some(limit_mm), ..PlanGates::default() };
+            let message = gates.judge(&figures).complaint();
+            let message = message.as_deref().and_then(|message| message.split(':').next());
+            assert_eq!(message, expected, "{distance_mm} mm");
+        }
+        let long = [(7.0004, None), (7.0006, Some("takes 7.001 s, more than 7 s"))];
+        for (cycle_time_s, expected) in long {
+            figures.cycle_time_s = cycle_time_s;
+            let gates = PlanGates { max_cycle_time_s: Some(7.0), ..PlanGates::default() };
+            assert_eq!(gates.judge(&figures).complaint().as_deref(), expected);
+        }
+    }
 }

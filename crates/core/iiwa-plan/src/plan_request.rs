@@ -7,7 +7,7 @@ use iiwa_path::JointPath;
 use iiwa_program::Program;
 use iiwa_traj::{Planner, Trajectory};
 
-use crate::{Error, Plan, PlanOptions, Planning, ProgramSource, warnings::warnings};
+use crate::{Error, LoadRecord, Plan, PlanOptions, Planning, ProgramSource, warnings::warnings};
 
 /// Robot, limits and options for planning a program.
 ///
@@ -17,11 +17,13 @@ pub struct PlanRequest {
     /// Robot that overrides the program's. A built-in model gets the flange length that the program
     /// states.
     pub robot: Option<Robot>,
-    /// Robot for programs that name none, with the flange length that they state.
+    /// Robot for programs that name none. A flange length that the program states replaces the
+    /// robot's.
     pub default_robot: Robot,
     /// Torque limit that overrides the program's, as a share of the robot's torque limits.
     pub torque_limit_rel: Option<f64>,
-    /// Override of the controller that replaces the program's, as a share.
+    /// Speed override, the factor on the speed of the whole program, in place of the program's
+    /// value. 1 is full speed.
     pub speed_override: Option<f64>,
     /// Options of path and timing.
     pub options: PlanOptions,
@@ -57,7 +59,7 @@ impl PlanRequest {
     fn path(&self, source: &ProgramSource, program: &Program) -> Result<JointPath, Error> {
         let robot = self.robot(source)?;
         JointPath::on_other_robot(program, &robot, self.options.path)
-            .map_err(|fault| Error::plan(fault.into(), &program.sources, source.text.as_read()))
+            .map_err(|fault| Error::of_path(fault, program, &robot, source.text.as_read()))
     }
 
     /// Starts planning a program section by section.
@@ -70,7 +72,9 @@ impl PlanRequest {
         let path = self.path(source, &program)?;
         let warnings = warnings(&program, &path);
         let (text, sources) = (source.text.clone(), program.sources.clone());
-        Ok(Planning::new(&path, &self.options, warnings, text, sources))
+        let mut planning = Planning::new(&path, &self.options, warnings, text, sources);
+        planning.figures_mut().loads = LoadRecord::all(&program);
+        Ok(planning)
     }
 
     /// Plans a whole program.
@@ -82,8 +86,9 @@ impl PlanRequest {
         self.plan_with(&mut None, source, &Arc::default())
     }
 
-    /// Plans a whole program, reusing the memory of a planner that has planned others, until `stop`
-    /// is set.
+    /// Plans a whole program, and ends with an [interrupt](Error::is_interrupt) soon after `stop`
+    /// is set. `planner` keeps a planner from call to call, whose memory is reused as long as the
+    /// timing is the same.
     ///
     /// # Errors
     ///
@@ -96,18 +101,23 @@ impl PlanRequest {
     ) -> Result<Plan, Error> {
         let program = self.limited(source);
         let path = self.path(source, &program)?;
-        let planner = planner.get_or_insert_with(|| {
-            Planner::new(&path, self.options.timing).interrupted_by(Arc::clone(stop))
-        });
-        planner.restart(&path);
+        let timing = self.options.timing;
+        let ready = match planner.take().filter(|planner| planner.timing() == timing) {
+            Some(mut reused) => {
+                reused.restart(&path);
+                reused
+            }
+            None => Planner::new(&path, timing),
+        };
+        let planner = planner.insert(ready.interrupted_by(Arc::clone(stop)));
         let trajectory = Trajectory::by(planner)
             .map_err(|error| Error::plan(error.into(), &program.sources, source.text.as_read()))?;
         Ok(Plan { program, trajectory, options: self.options })
     }
 }
 
-/// Robot of a request. A profile describes the whole robot, whereas a built-in model leaves the
-/// flange length to the program.
+/// Robot that overrides the program's. A built-in model gets the flange length that the program
+/// states; any other robot keeps its own.
 fn requested(robot: &Robot, program: &Program) -> Robot {
     if Robot::built_in(robot.name()).as_ref() == Some(robot) {
         program.with_flange(robot.clone())

@@ -9,8 +9,8 @@ use iiwa_traj::{Planner, Section};
 
 use crate::{Error, PlanFigures, PlanOptions, ProgramText};
 
-/// Iterator that plans a program section by section and keeps the figures up to date. Its memory is
-/// limited to one section, the figures and the path.
+/// Iterator that plans a program section by section and keeps the figures up to date. It stores the
+/// path and the figures, but no planned section.
 ///
 /// ```
 /// use iiwa_plan::{PlanRequest, ProgramSource};
@@ -76,7 +76,7 @@ impl Planning {
         &self.text
     }
 
-    /// Figures so far.
+    /// Figures so far; groups and repeat blocks are added after the last section.
     #[must_use]
     pub fn figures(&self) -> &PlanFigures {
         &self.figures
@@ -106,7 +106,10 @@ impl Iterator for Planning {
     type Item = Result<Section, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let section = self.planner.next()?;
+        let Some(section) = self.planner.next() else {
+            self.figures.add_groups(self.planner.path());
+            return None;
+        };
         if let Ok(section) = &section {
             self.figures.add(section);
         }

@@ -1,10 +1,11 @@
-//! Assumptions about the controller that a plan's time depends on, as opposed to measurements.
+//! Assumptions about the controller and its inputs that a plan's time depends on, as opposed to
+//! measurements.
 
-use iiwa_program::{LimitKind, MotionIndex};
+use iiwa_program::{IoEntry, IoKind, LimitKind, MotionIndex};
 use iiwa_traj::{Limit, PieceKind, Section};
 use serde::{Deserialize, Serialize};
 
-/// An assumption about the controller that a program's time depends on.
+/// An assumption about the controller or its inputs that a program's time depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct AssumptionRecord {
@@ -22,16 +23,16 @@ const PATH: &str = "LIN and CIRC: jerk limits, with starts and stops as soft as 
                     SPL; neither has been recorded";
 const SPLINE: &str = "splines: a model of their speed, which matches recorded durations within 2 % \
                       (2.7 % for splines left out of the fit)";
-const CRUISE: &str = "PTP without a cruise or without a plateau of acceleration: the law of ramps \
-                      is continued to where nothing was recorded";
-const LOAD: &str = "load: ramps take it for a part of the arm; no recording has one";
-const JERK_REL: &str = "jerk_rel: scales jerk and snap of ramps; no recording has one";
+const CRUISE: &str = "PTP without a cruise or without a plateau of acceleration: the ramp law is \
+                      extrapolated beyond the recordings";
+const LOAD: &str = "load: the ramp law treats it as a part of the arm; no recording has a load";
+const JERK_REL: &str = "jerk_rel: scales jerk and snap of ramps; no recording has this setting";
 const PAUSE: &str =
-    "pauses after motions that the program waits for: 93 ms, the mean of 87 to 99 ms";
+    "standstill after motions that the program waits for: 93 ms, the mean of 87 to 99 ms";
 const T1: &str = "T1: 225 mm/s at any override, and in blends; recorded for PTP at 50 %";
-const JERK: &str = "stops: within limits of jerk; a real robot's PTP motions take 4 % longer";
+const JERK: &str = "stops: within jerk limits; a real robot's PTP motions take 4 % longer";
 const OVERRIDE: &str =
-    "override: scales the time of blends and paths of the TCP; recorded for PTP and splines";
+    "override: scales the time of blends and TCP paths; recorded for PTP and splines";
 
 /// Assumptions that the motions of a section depend on, for the timing method `timing`.
 fn of_section(section: &Section, timing: &str) -> Vec<(&'static str, MotionIndex)> {
@@ -86,6 +87,16 @@ fn has_blends(section: &Section) -> bool {
 
 fn is_of(limit: Limit, wanted: LimitKind) -> bool {
     matches!(limit, Limit::Motion { kind, .. } if kind == wanted)
+}
+
+/// Adds the assumption about an input; an output is not assumed.
+pub(crate) fn add_io(records: &mut Vec<AssumptionRecord>, motion: MotionIndex, entry: &IoEntry) {
+    let IoKind::WaitFor { seconds } = entry.kind else { return };
+    let what = format!("wait_for: {} = {} after {seconds} s", entry.io, entry.value);
+    match records.iter_mut().find(|record| record.what == what) {
+        Some(record) => record.motions += 1,
+        None => records.push(AssumptionRecord { what, motions: 1, first: motion.number() }),
+    }
 }
 
 /// Adds the assumptions of a section.

@@ -1,11 +1,13 @@
 //! Warnings about programs that can be planned.
 
+use iiwa_kin::{Load, Robot};
 use iiwa_path::{JointPath, Step, TurnContradiction};
 use iiwa_program::{Program, Start};
 
 /// Warnings about a program with this path, as messages for the user: a start frame without E1 or
-/// status, targets whose turn contradicts the joint positions, splines with TCP stops, and blends
-/// without a following motion or into one that does not move.
+/// status, a payload above the rated payload, targets whose turn contradicts the joint positions,
+/// splines with TCP stops, and blends without a following motion or into one that does not move.
+/// Motions are reported with their names and sources.
 #[must_use]
 pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     let turns = TurnContradiction::all(program, path.robot()).unwrap_or_default();
@@ -27,17 +29,38 @@ pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
         let Step::Settle { motion, still: true, .. } = step else { return None };
         let blended = program.blend_into(*motion)?;
         Some(format!(
-            "motion {motion} does not move: the blend of motion {blended} has nothing to blend into, and the arm stops"
+            "motion {motion} does not move: the blend of motion {blended} has nothing to blend \
+             into, and the arm stops"
         ))
     });
     let turns = turns.iter().map(ToString::to_string);
     open_start(program)
         .into_iter()
+        .chain(overload(program, path.robot()))
         .chain(turns)
         .chain(stops)
         .chain(into_standstill)
         .chain(end)
+        .map(|warning| program.sources.in_message(&warning))
         .collect()
+}
+
+/// Warning about the first motion with the largest payload, if it is above the rated payload.
+fn overload(program: &Program, robot: &Robot) -> Option<String> {
+    let rated_kg = robot.rated_payload_kg()?;
+    let mut largest = None;
+    for ((motion, entry), load) in program.entries().zip(program.loads()) {
+        let Some(Load { mass_kg, .. }) = load.filter(|_| entry.moves()) else { continue };
+        if mass_kg > largest.map_or(rated_kg, |(_, mass_kg)| mass_kg) {
+            largest = Some((motion, mass_kg));
+        }
+    }
+    largest.map(|(motion, mass_kg)| {
+        format!(
+            "motion {motion}: the payload of {mass_kg} kg is above the robot's rated payload of \
+             {rated_kg} kg; the real robot may refuse it or be slower"
+        )
+    })
 }
 
 /// Warning about the redundancy parameters that a start frame leaves open.
@@ -54,4 +77,37 @@ fn open_start(program: &Program) -> Option<String> {
             open.join(" and ")
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn warnings_of(robot: &Robot, masses_kg: [f64; 2]) -> Vec<String> {
+        let [tool_kg, lifted_kg] = masses_kg;
+        let text = format!(
+            r#"{{ "version": 1, "tool": "gripper",
+                "tools": {{ "gripper": {{ "tcp": {{}}, "load": {{ "mass_kg": {tool_kg} }} }} }},
+                "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }},
+                "motions": [
+                    {{ "type": "ptp", "joints_deg": [5, 0, 0, 0, 0, 0, 0] }},
+                    {{ "type": "load", "load": {{ "mass_kg": {lifted_kg} }} }},
+                    {{ "type": "ptp", "joints_deg": [9, 0, 0, 0, 0, 0, 0] }},
+                    {{ "type": "ptp", "joints_deg": [5, 0, 0, 0, 0, 0, 0] }} ] }}"#
+        );
+        let program = Program::from_json(&text).unwrap();
+        warnings(&program, &JointPath::new(&program, robot).unwrap())
+    }
+
+    #[test]
+    fn a_payload_above_the_rated_payload_is_reported_once() {
+        let [small, large] = [Robot::lbr_iiwa_7_r800(), Robot::lbr_iiwa_14_r820()];
+        assert_eq!(warnings_of(&small, [7.0, 7.0]), [""; 0]);
+        assert_eq!(warnings_of(&large, [7.5, 14.0]), [""; 0]);
+        let [warning] = &warnings_of(&small, [7.5, 9.0])[..] else { panic!("one warning") };
+        assert!(warning.starts_with("motion 3: the payload of 9 kg is above"), "{warning}");
+        assert!(warning.contains("rated payload of 7 kg"), "{warning}");
+        let [warning] = &warnings_of(&large, [15.0, 14.5])[..] else { panic!("one warning") };
+        assert!(warning.starts_with("motion 1: the payload of 15 kg"), "{warning}");
+    }
 }

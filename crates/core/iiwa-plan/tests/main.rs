@@ -1,4 +1,7 @@
-//! Sources and requests: robots, limits, files and the places of errors.
+//! Sources, requests, groups and repeat blocks: robots, limits, files and the places of errors.
 
+mod groups;
+mod io;
+mod repeats;
 mod robots;
 mod sources;

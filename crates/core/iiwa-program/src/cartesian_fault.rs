@@ -38,7 +38,7 @@ pub enum CartesianFault {
         /// E1 at the target, in degrees, with which the motion is feasible, if one was found.
         other_e1_deg: Option<f64>,
     },
-    /// The path comes too close to a singular pose.
+    /// The path is too close to a singular pose.
     #[error(
         "at {:.1} % of the way, the arm is singular: {}{}",
         100.0 * .s,

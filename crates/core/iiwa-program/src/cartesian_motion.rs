@@ -1,10 +1,15 @@
 //! Motions to frames and along TCP paths.
 
 use iiwa_kin::Joints;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::{
-    blend::Blend, cartesian_fault::CartesianFault, frame::Frame, limit_kind::ByKind,
-    segment_limits::SegmentLimits, target::TargetRef, tool_limits::ToolLimits,
+    blend::Blend,
+    cartesian_fault::CartesianFault,
+    limit_kind::{ByKind, MIN_SHARE, is_share},
+    target::{Frame, TargetRef},
+    tool_limits::ToolLimits,
 };
 
 /// A motion whose end is given as a TCP frame.
@@ -33,7 +38,7 @@ pub struct CartesianMotion {
     /// Blend at the target; without a blend the robot stops there and settles.
     pub blend: Option<PathBlend>,
     /// `true` if the program waits for the end of the motion before it sends the next one, which
-    /// lengthens the pause. Not allowed together with a blend.
+    /// lengthens the standstill. Not allowed together with a blend.
     pub blocking: bool,
 }
 
@@ -77,6 +82,15 @@ pub struct SplineSegment {
     pub orientation: Option<OrientationType>,
     /// Limits of the segment.
     pub limits: SegmentLimits,
+}
+
+/// Limits of a spline segment; the spline's limits by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SegmentLimits {
+    /// Share of each joint's limit, in (0, 1].
+    pub shares: ByKind<Option<Joints>>,
+    /// TCP limits; infinite if the spline's limits apply.
+    pub tool: ToolLimits,
 }
 
 /// Course of a spline segment.
@@ -127,8 +141,9 @@ pub struct Circ {
     pub extrapolates: bool,
 }
 
-/// Interpolation of the TCP orientation along a path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Interpolation of the orientation along a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum OrientationType {
     /// One rotation about a fixed axis, uniform along the path.
@@ -136,15 +151,16 @@ pub enum OrientationType {
     Variable,
     /// As at the start.
     Constant,
-    /// Joints A5 to A7 move uniformly from their start to their target positions. Passes through A6
-    /// = 0; not for splines.
+    /// Joints A5 to A7 move uniformly to their target positions; not for splines.
+    #[serde(rename = "ori_joint")]
     Joints,
-    /// Only on a spline segment: the orientation at its end is interpolated between its neighbours.
+    /// Only on spline segments: the orientation at the end is interpolated between its neighbours.
     Ignore,
 }
 
-/// Use of the orientation of a circle's auxiliary frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Use of the auxiliary frame's orientation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum AuxOrientation {
     /// Reached somewhere on the path.
     #[default]
@@ -249,18 +265,18 @@ impl CartesianMotion {
             Course::LinRel { .. } => None,
         }
     }
+}
 
-    /// Name in programs: `ptp`, `lin`, `lin_rel`, `circ`, `spline` or `spl`.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        match self.course {
-            Course::Ptp { .. } => "ptp",
-            Course::Lin { .. } => "lin",
-            Course::LinRel { .. } => "lin_rel",
-            Course::Circ(_) => "circ",
-            Course::Spline(_) if self.is_single_spl() => "spl",
-            Course::Spline(_) => "spline",
+impl SegmentLimits {
+    /// Checks the limits; returns the first that is too small or out of range.
+    pub(crate) fn check(&self) -> Result<(), (&'static str, CartesianFault)> {
+        for (kind, shares) in &self.shares {
+            if let Some(&found) = shares.iter().flatten().find(|share| !is_share(**share)) {
+                let key = kind.share_key();
+                return Err((key, CartesianFault::Share { key, found, min: MIN_SHARE }));
+            }
         }
+        self.tool.check()
     }
 }
 
@@ -276,9 +292,7 @@ impl PathBlend {
         let wrong = |message| Err(CartesianFault::Blend(message));
         if is_ptp {
             if self.orientation_rad.is_some() {
-                return wrong(
-                    "ori_deg is for paths of the TCP: a point-to-point motion cannot have it",
-                );
+                return wrong("ori_deg is for TCP paths: a point-to-point motion cannot have it");
             }
             if self.sizes().count() != 1 {
                 return wrong("a blend has exactly one of `fraction`, `sunrise_rel` and `cart_mm`");

@@ -6,8 +6,11 @@ use iiwa_kin::{Joint, OutsideRange};
 use crate::{
     blend::Blend,
     cartesian_fault::CartesianFault,
+    flange_load::ShapeFault,
     limit_kind::{LimitKind, percent},
     motion_index::MotionIndex,
+    motion_path::motion_path,
+    name_place::name_place,
     workcell::{MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT},
 };
 
@@ -61,7 +64,7 @@ pub enum Fault {
         max_s: f64,
     },
     /// A wait overlaps too many motions.
-    #[error("motion {motion}: a wait that overlaps {found} motions; it may overlap at most {max}")]
+    #[error("motion {motion} overlaps {found} motions; it may overlap at most {max}")]
     Overlap {
         /// Motion index of the wait.
         motion: MotionIndex,
@@ -72,8 +75,9 @@ pub enum Fault {
     },
     /// A wait overlaps more motions than precede it since the last stop.
     #[error(
-        "motion {motion}: the wait is to overlap {}, and {} before it; a plain wait or a change of \
-         the load before it stops the arm", motions(*.found), there_are(*.before)
+        "motion {motion} overlaps {}, but {} it without a stop in between; payload changes, and \
+         waits, inputs and outputs without `overlap` stop the robot",
+        motions(*.found), preceding(*.before)
     )]
     NothingToOverlap {
         /// Motion index of the wait.
@@ -108,14 +112,43 @@ pub enum Fault {
         /// Motion index.
         motion: MotionIndex,
     },
+    /// A motion before an input or output at rest has a blend.
+    #[error(
+        "motion {motion} is followed by `{}`, for which the arm stops; remove its blend, or give \
+         `{}` the key \"overlap\": true to keep the arm moving", .next, .next
+    )]
+    BlendBeforeIo {
+        /// Motion index.
+        motion: MotionIndex,
+        /// Type of the next entry in programs: `set` or `wait_for`.
+        next: &'static str,
+    },
+    /// The name or the value of an input or output is unsuitable.
+    #[error("motion {motion}: {message}")]
+    Io {
+        /// Motion index.
+        motion: MotionIndex,
+        /// Key at which the fault is: `io` or `value`.
+        key: &'static str,
+        /// Reason, and remedy.
+        message: String,
+    },
     /// The inertia of a payload is not physically possible.
     #[error(
-        "motion {motion}: the load is that of no body; mass and moments of inertia must be 0 or \
-         more"
+        "motion {motion}: the load is not physically possible; mass and moments of inertia must \
+         be 0 or more"
     )]
     Load {
         /// Motion index.
         motion: MotionIndex,
+    },
+    /// A shape of a payload is out of range.
+    #[error("motion {motion}: {fault}")]
+    Shape {
+        /// Motion index.
+        motion: MotionIndex,
+        /// Fault of the shape.
+        fault: Box<ShapeFault>,
     },
     /// A torque limit is out of range or not a number.
     #[error(
@@ -204,7 +237,10 @@ impl Fault {
             | Self::Blend { .. }
             | Self::BlendBeforeWait { .. }
             | Self::BlendBeforeLoad { .. }
+            | Self::BlendBeforeIo { .. }
+            | Self::Io { .. }
             | Self::Load { .. }
+            | Self::Shape { .. }
             | Self::TorqueLimit { .. }
             | Self::Override { .. }
             | Self::Flange { .. }
@@ -232,7 +268,10 @@ impl Fault {
             | Self::Blend { motion, .. }
             | Self::BlendBeforeWait { motion }
             | Self::BlendBeforeLoad { motion }
+            | Self::BlendBeforeIo { motion, .. }
+            | Self::Io { motion, .. }
             | Self::Load { motion }
+            | Self::Shape { motion, .. }
             | Self::BlockingBlend { motion }
             | Self::BlendOutside { motion, .. } => Some(*motion),
         }
@@ -241,64 +280,73 @@ impl Fault {
     /// Place of the fault in the program's JSON text.
     #[must_use]
     pub fn place_in(&self, text: &str) -> JsonPlace {
+        let motion = self.motion().map(|motion| motion_path(text, motion));
+        self.place_at(text, &motion.unwrap_or_default())
+    }
+
+    /// Place of the fault in the program's JSON text; `owner` is the path to the motion at fault,
+    /// empty without one.
+    pub(crate) fn place_at(&self, text: &str, owner: &[JsonStep<'_>]) -> JsonPlace {
         use JsonStep::{Index, Key};
-        let motions = Key("motions");
+        let in_motion = |key| locate(text, &[owner, &[Key(key)]].concat());
         match self {
-            Self::NoMotions => locate(text, &[motions]),
+            Self::NoMotions => locate(text, &[Key("motions")]),
             Self::TorqueLimit { .. } => locate(text, &[Key("limit_torque_percent")]),
             Self::Override { .. } => locate(text, &[Key("override_percent")]),
             Self::OtherRobot { .. } => locate(text, &[Key("robot")]),
             Self::Flange { .. } | Self::OtherFlange { .. } => locate(text, &[Key("flange_mm")]),
             Self::Cartesian { motion, key, fault } => {
                 let mut path = match motion {
-                    Some(motion) => vec![motions, Index(motion.index()), Key(key)],
+                    Some(_) => [owner, &[Key(key)]].concat(),
                     None => vec![Key("start"), Key(key)],
                 };
-                if let CartesianFault::Segment { index, key, .. } = fault.as_ref() {
+                let mut fault = fault.as_ref();
+                if let CartesianFault::Segment { index, key, fault: of_segment } = fault {
                     path.extend([Index(*index), Key(key)]);
+                    fault = of_segment;
                 }
-                locate(text, &path)
+                match fault {
+                    CartesianFault::Name(fault) => name_place(text, &path, fault),
+                    _ => locate(text, &path),
+                }
             }
             Self::JointOutside { motion, outside } => {
-                let owner = match motion {
-                    None => vec![Key("start")],
-                    Some(motion) => vec![motions, Index(motion.index())],
-                };
+                let owner = if motion.is_none() { &[Key("start")] } else { owner };
                 // The joints are under one of two keys: the deeper match is the right one.
                 ["joints_rad", "joints_deg"]
-                    .map(|key| {
-                        [owner.as_slice(), &[Key(key), Index(outside.joint.index())]].concat()
-                    })
+                    .map(|key| [owner, &[Key(key), Index(outside.joint.index())]].concat())
                     .map(|path| locate(text, &path))
                     .into_iter()
                     .min_by_key(|place| place.span.len())
-                    .unwrap_or_else(|| locate(text, &owner))
+                    .unwrap_or_else(|| locate(text, owner))
             }
-            Self::Share { motion, kind, joint, .. } => {
-                let mut path = vec![motions, Index(motion.index()), Key(kind.share_key())];
+            Self::Share { kind, joint, .. } => {
+                let mut path = [owner, &[Key(kind.share_key())]].concat();
                 path.extend(joint.map(|joint| Index(joint.index())));
                 locate(text, &path)
             }
-            Self::Wait { motion, .. } => {
-                locate(text, &[motions, Index(motion.index()), Key("seconds")])
-            }
-            Self::Overlap { motion, .. } | Self::NothingToOverlap { motion, .. } => {
-                let owner = [motions, Index(motion.index())];
+            Self::Wait { .. } => in_motion("seconds"),
+            Self::Overlap { .. } | Self::NothingToOverlap { .. } => {
                 // The number is under one of two keys: the deeper match is the right one.
                 ["overlap", "overlap_motions"]
-                    .map(|key| locate(text, &[owner.as_slice(), &[Key(key)]].concat()))
+                    .map(in_motion)
                     .into_iter()
                     .min_by_key(|place| place.span.len())
-                    .unwrap_or_else(|| locate(text, &owner))
+                    .unwrap_or_else(|| locate(text, owner))
             }
-            Self::Load { motion } => locate(text, &[motions, Index(motion.index()), Key("load")]),
-            Self::Blend { motion, .. }
-            | Self::BlockingBlend { motion }
-            | Self::BlendBeforeWait { motion }
-            | Self::BlendBeforeLoad { motion }
-            | Self::BlendOutside { motion, .. } => {
-                locate(text, &[motions, Index(motion.index()), Key("blend")])
+            Self::Load { .. } => in_motion("load"),
+            Self::Shape { fault, .. } => {
+                let mut path = [owner, &[Key("load"), Key("shapes")]].concat();
+                path.extend(fault.shape.into_iter().flat_map(|it| [Index(it), Key(fault.key)]));
+                locate(text, &path)
             }
+            Self::Io { key, .. } => in_motion(key),
+            Self::Blend { .. }
+            | Self::BlockingBlend { .. }
+            | Self::BlendBeforeWait { .. }
+            | Self::BlendBeforeLoad { .. }
+            | Self::BlendBeforeIo { .. }
+            | Self::BlendOutside { .. } => in_motion("blend"),
         }
     }
 }
@@ -311,11 +359,11 @@ fn motions(count: usize) -> String {
     if count == 1 { "a motion".to_owned() } else { format!("{count} motions") }
 }
 
-fn there_are(count: usize) -> String {
+fn preceding(count: usize) -> String {
     match count {
-        0 => "there is none".to_owned(),
-        1 => "there is one".to_owned(),
-        _ => format!("there are {count}"),
+        0 => "no motion precedes".to_owned(),
+        1 => "only one motion precedes".to_owned(),
+        _ => format!("only {count} motions precede"),
     }
 }
 

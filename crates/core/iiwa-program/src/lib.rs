@@ -23,53 +23,64 @@
 //! [`Program::from_json`] reads a program and reports the place of a [`Fault`] in the text;
 //! [`Program::from_deg`] builds a program in code.
 
+mod all_faults;
 mod blend;
+mod carried_shapes;
 mod cartesian_fault;
 mod cartesian_motion;
 mod fault;
-mod frame;
+mod flange_load;
+mod io_entry;
+mod io_value;
 mod joints_at;
 mod limit_kind;
-mod loads;
 mod motion_index;
+mod motion_label;
 mod motion_limits;
 mod motion_list;
+mod motion_path;
+mod motion_tools;
 mod motion_type;
+mod name_place;
 mod overlapping_wait;
 mod placed_frame;
 mod program;
 mod program_builder;
-mod segment_limits;
+mod repeat_block;
 mod source;
 mod target;
-mod tcps;
 mod tool_limits;
 mod wire;
 mod workcell;
 
 pub use blend::{Blend, CART_MM_MIN, SUNRISE_REL_MIN};
+pub use carried_shapes::{CarriedShapes, ShapesFrom};
 pub use cartesian_fault::{CartesianFault, CourseFault};
 pub use cartesian_motion::{
     AuxOrientation, CartesianMotion, Circ, Course, MAX_SEGMENTS, OrientationType, PathBlend,
-    SegmentCourse, SplineSegment,
+    SegmentCourse, SegmentLimits, SplineSegment,
 };
 pub use fault::Fault;
-pub use frame::Frame;
+pub use flange_load::{FlangeLoad, LoadShape, MAX_SHAPES, ShapeFault};
 pub use iiwa_kin::{Load, Mount};
+pub use io_entry::{IoEntry, IoKind, MAX_IO_NAME};
+pub use io_value::IoValue;
 pub use limit_kind::{ByKind, LimitKind};
 pub use motion_index::MotionIndex;
+pub use motion_label::{MAX_COMMENT, MAX_NAME, MotionLabel};
 pub use motion_limits::MotionLimits;
 pub use motion_list::MotionList;
+pub use motion_path::motion_path;
 pub use motion_type::MotionType;
 pub use overlapping_wait::OverlappingWait;
 pub use placed_frame::PlacedFrame;
 pub use program::{MAX_OVERLAP, Motion, Program, Ptp, Start};
 pub use program_builder::ProgramBuilder;
-pub use segment_limits::SegmentLimits;
-pub use source::{Source, Sources};
-pub use target::{Target, TargetRef};
+pub use repeat_block::{MAX_REPEAT_DEPTH, MAX_REPEATED, RepeatBlock, Round};
+pub use source::{Source, Sources, motion_origin, with_motions};
+pub use target::{Frame, Target, TargetRef};
 pub use tool_limits::ToolLimits;
-pub use wire::ProgramError;
+pub use wire::{MAX_ERRORS, ProgramError};
 pub use workcell::{
     Base, MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, NameFault, OperatingMode,
     Tool, Workcell,

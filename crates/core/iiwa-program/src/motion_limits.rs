@@ -4,10 +4,9 @@ use enum_map::enum_map;
 use iiwa_kin::{Joints, Robot};
 
 use crate::{
-    cartesian_motion::CartesianMotion,
+    cartesian_motion::{CartesianMotion, SegmentLimits},
     limit_kind::{ByKind, LimitKind},
     program::Motion,
-    segment_limits::SegmentLimits,
     tool_limits::ToolLimits,
     workcell::{OperatingMode, Workcell},
 };
@@ -63,7 +62,7 @@ impl MotionLimits {
                 cartesian.tool_limits,
                 workcell,
             ),
-            Motion::Wait { .. } | Motion::Load(_) => {
+            Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => {
                 Self::of_shares(robot, |_| &[1.0; 7], ToolLimits::NONE, workcell)
             }
         }

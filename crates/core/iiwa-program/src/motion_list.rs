@@ -19,7 +19,10 @@ use crate::{
 ///     list.clone().starting_at([0.0; 7]),
 ///     Program::from_deg([0.0; 7]).ptp_rad([0.3; 7]).build()
 /// );
-/// assert_eq!(MotionList::from_json(r#"{"motions": [{"type": "ptp", "joints_rad": [0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3]}]}"#)?, list);
+/// let text = r#"{"motions": [
+///     {"type": "ptp", "joints_rad": [0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3]}
+/// ]}"#;
+/// assert_eq!(MotionList::from_json(text)?, list);
 /// # Ok::<(), iiwa_program::ProgramError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +31,7 @@ pub struct MotionList {
     pub motions: Vec<Motion>,
     /// Tools, bases and frames named by the motions.
     pub workcell: Workcell,
-    /// Known sources of the motions.
+    /// Known sources and labels of the motions.
     pub sources: Sources,
 }
 
@@ -38,6 +41,20 @@ impl MotionList {
     pub fn starting_at(self, start_rad: Joints) -> Program {
         let Self { motions, workcell, sources } = self;
         Program { robot: None, start: Start::Joints(start_rad), motions, workcell, sources }
+    }
+
+    /// The motions without sources, labels and shapes of loads: robot programs do not use them, and
+    /// refuse unknown keys. Repeat blocks are written out.
+    #[must_use]
+    pub fn for_robot_program(self) -> Self {
+        let Self { mut motions, mut workcell, .. } = self;
+        let of_tools = workcell.tools.values_mut().filter_map(|tool| tool.load.as_mut());
+        let changed = motions.iter_mut().filter_map(|entry| match entry {
+            Motion::Load(load) => load.as_mut(),
+            _ => None,
+        });
+        of_tools.chain(changed).for_each(|load| load.shapes.clear());
+        Self { motions, workcell, sources: Sources::default() }
     }
 }
 

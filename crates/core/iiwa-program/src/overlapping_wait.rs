@@ -1,11 +1,14 @@
-//! Waits that overlap motions.
+//! Waits, inputs and outputs that overlap motions.
+
+use std::collections::VecDeque;
 
 use crate::{
     motion_index::MotionIndex,
-    program::{Motion, Program},
+    program::{MAX_OVERLAP, Program},
 };
 
-/// A wait whose time runs while the robot moves.
+/// A wait, also for an input, whose time runs while the robot moves; or an output that is set while
+/// the robot moves, as a wait of 0 s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverlappingWait {
     /// Motion index of the wait.
@@ -17,7 +20,7 @@ pub struct OverlappingWait {
 }
 
 impl Program {
-    /// Waits that overlap motions, in order, of a program that has been checked.
+    /// Waits, inputs and outputs that overlap motions, in order, of a checked program.
     ///
     /// ```
     /// use iiwa_program::{Blend, Motion, MotionIndex, Program};
@@ -30,12 +33,19 @@ impl Program {
     /// ```
     #[must_use]
     pub fn overlapping_waits(&self) -> Vec<OverlappingWait> {
-        let waits = self.entries().filter_map(|(motion, entry)| {
-            let Motion::Wait { seconds, overlap: overlap @ 1.. } = *entry else { return None };
-            let before = self.motions[..motion.index()].iter().enumerate().rev();
-            let (since, _) = before.filter(|(_, entry)| entry.moves()).nth(overlap - 1)?;
-            Some(OverlappingWait { motion, seconds, since: MotionIndex::new(since) })
-        });
-        waits.collect()
+        let mut waits = Vec::new();
+        // Preceding motions, as many as an entry may overlap.
+        let mut moves = VecDeque::with_capacity(MAX_OVERLAP);
+        for (motion, entry) in self.entries() {
+            if entry.moves() {
+                moves.truncate(MAX_OVERLAP - 1);
+                moves.push_front(motion);
+            }
+            let overlapped = entry.overlap().checked_sub(1).and_then(|last| moves.get(last));
+            if let (Some(since), Some(seconds)) = (overlapped, entry.wait_s()) {
+                waits.push(OverlappingWait { motion, seconds, since: *since });
+            }
+        }
+        waits
     }
 }

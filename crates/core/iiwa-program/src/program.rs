@@ -2,12 +2,14 @@
 
 use std::ops::Range;
 
-use iiwa_kin::{Joint, Joints, Limits, Load, Robot};
+use iiwa_kin::{Joint, Joints, Limits, Robot};
 
 use crate::{
     blend::Blend,
     cartesian_motion::CartesianMotion,
     fault::Fault,
+    flange_load::FlangeLoad,
+    io_entry::IoEntry,
     limit_kind::{LimitKind, MIN_SHARE, is_share},
     motion_index::MotionIndex,
     source::Sources,
@@ -32,7 +34,7 @@ pub struct Program {
     pub motions: Vec<Motion>,
     /// Tools, bases and frames named by the motions.
     pub workcell: Workcell,
-    /// Known sources of the motions.
+    /// Known sources and labels of the motions.
     pub sources: Sources,
 }
 
@@ -82,7 +84,9 @@ pub enum Motion {
     },
     /// A payload change at rest: the total payload from here on, tool included, or `None` to return
     /// to the tool's payload. It takes no time.
-    Load(Option<Load>),
+    Load(Option<FlangeLoad>),
+    /// An output that the program sets, or an input that it waits for.
+    Io(IoEntry),
 }
 
 impl Motion {
@@ -98,7 +102,7 @@ impl Motion {
         match self {
             Self::Ptp(ptp) => ptp.blocking,
             Self::Cartesian(cartesian) => cartesian.blocking,
-            Self::Wait { .. } | Self::Load(_) => false,
+            Self::Wait { .. } | Self::Load(_) | Self::Io(_) => false,
         }
     }
 
@@ -107,14 +111,43 @@ impl Motion {
         match self {
             Self::Ptp(ptp) => ptp.blend.is_some_and(Blend::has_effect),
             Self::Cartesian(cartesian) => cartesian.blend.is_some(),
-            Self::Wait { .. } | Self::Load(_) => false,
+            Self::Wait { .. } | Self::Load(_) | Self::Io(_) => false,
         }
     }
 
-    /// Returns true for a wait during which the robot may move.
+    /// Returns true for a wait, an input or an output during which the robot may move.
     #[must_use]
     pub fn is_overlapping_wait(&self) -> bool {
-        matches!(self, Self::Wait { overlap: 1.., .. })
+        self.overlap() > 0
+    }
+
+    /// Number of preceding motions that a wait, an input or an output overlaps; otherwise 0.
+    #[must_use]
+    pub fn overlap(&self) -> usize {
+        match self {
+            Self::Wait { overlap, .. } | Self::Io(IoEntry { overlap, .. }) => *overlap,
+            Self::Ptp(_) | Self::Cartesian(_) | Self::Load(_) => 0,
+        }
+    }
+
+    /// Duration of a wait, assumed duration of a wait for an input, or 0 for an output, in s;
+    /// `None` for motions and payload changes.
+    #[must_use]
+    pub fn wait_s(&self) -> Option<f64> {
+        match self {
+            Self::Wait { seconds, .. } => Some(*seconds),
+            Self::Io(entry) => Some(entry.seconds()),
+            Self::Ptp(_) | Self::Cartesian(_) | Self::Load(_) => None,
+        }
+    }
+
+    /// Input or output of the entry, if any.
+    #[must_use]
+    pub fn io(&self) -> Option<&IoEntry> {
+        match self {
+            Self::Io(entry) => Some(entry),
+            _ => None,
+        }
     }
 }
 
@@ -132,7 +165,7 @@ pub struct Ptp {
     /// Blend at the target; without a blend the robot stops there and settles.
     pub blend: Option<Blend>,
     /// `true` if the program waits for the end of the motion before it sends the next one, which
-    /// lengthens the pause. Not allowed together with a blend.
+    /// lengthens the standstill. Not allowed together with a blend.
     pub blocking: bool,
 }
 
@@ -227,8 +260,12 @@ impl Program {
     /// use iiwa_kin::Robot;
     /// use iiwa_program::Program;
     ///
-    /// let program = Program::from_json(r#"{ "version": 1, "flange_mm": 126, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
-    ///     "motions": [{ "type": "wait", "seconds": 1 }] }"#)?;
+    /// let program = Program::from_json(r#"{
+    ///     "version": 1,
+    ///     "flange_mm": 126,
+    ///     "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+    ///     "motions": [{ "type": "wait", "seconds": 1 }]
+    /// }"#)?;
     /// assert_eq!(program.with_flange(Robot::default()).lengths().flange_m, 0.126);
     /// # Ok::<(), iiwa_program::ProgramError>(())
     /// ```
@@ -290,36 +327,47 @@ impl Program {
         {
             return Err(Fault::Flange { found_m });
         }
-        self.entries().try_for_each(|(motion, entry)| self.check_entry(motion, entry))
+        self.checked_entries(0..self.motions.len()).try_for_each(|entry| self.check_entry(&entry))
     }
 
-    fn check_entry(&self, motion: MotionIndex, entry: &Motion) -> Result<(), Fault> {
+    pub(crate) fn check_entry(&self, checked: &CheckedEntry<'_>) -> Result<(), Fault> {
+        let CheckedEntry { motion, entry, moves } = *checked;
         match entry {
             Motion::Ptp(ptp) => self.check_ptp(motion, ptp),
             Motion::Cartesian(cartesian) => self.check_cartesian(motion, cartesian),
             Motion::Wait { seconds, .. } if !(0.0..=MAX_WAIT_S).contains(seconds) => {
                 Err(Fault::Wait { motion, found: *seconds, max_s: MAX_WAIT_S })
             }
-            Motion::Wait { overlap, .. } => self.check_overlap(motion, *overlap),
-            Motion::Load(Some(load)) if !load.body().is_possible() => Err(Fault::Load { motion }),
-            Motion::Load(_) => Ok(()),
+            Motion::Wait { overlap, .. } => check_overlap(motion, *overlap, moves),
+            Motion::Load(Some(payload)) if !payload.load.body().is_possible() => {
+                Err(Fault::Load { motion })
+            }
+            Motion::Load(payload) => match payload.as_ref().and_then(FlangeLoad::shape_fault) {
+                Some(fault) => Err(Fault::Shape { motion, fault: Box::new(fault) }),
+                None => Ok(()),
+            },
+            Motion::Io(io) => check_io(motion, io, moves),
         }
     }
 
-    /// Checks that enough motions precede a wait since the last stop.
-    fn check_overlap(&self, motion: MotionIndex, found: usize) -> Result<(), Fault> {
-        if found > MAX_OVERLAP {
-            return Err(Fault::Overlap { motion, found, max: MAX_OVERLAP });
-        }
-        let before = self.motions.iter().take(motion.index()).rev();
-        let is_standing =
-            |entry: &&Motion| matches!(entry, Motion::Wait { overlap: 0, .. } | Motion::Load(_));
-        let moves = before.take_while(|entry| !is_standing(entry)).filter(|entry| entry.moves());
-        let before = moves.take(found).count();
-        if before < found {
-            return Err(Fault::NothingToOverlap { motion, found, before });
-        }
-        Ok(())
+    /// Entries in `range` with the motions that they may overlap.
+    pub(crate) fn checked_entries(
+        &self,
+        range: Range<usize>,
+    ) -> impl Iterator<Item = CheckedEntry<'_>> {
+        let before = self.motions.iter().take(range.start).rev();
+        let before = before.take_while(|entry| entry.moves() || entry.is_overlapping_wait());
+        // No entry may overlap more motions.
+        let mut moves = before.filter(|entry| entry.moves()).take(MAX_OVERLAP).count();
+        self.entries().take(range.end).skip(range.start).map(move |(motion, entry)| {
+            let checked = CheckedEntry { motion, entry, moves };
+            if entry.moves() {
+                moves += 1;
+            } else if !entry.is_overlapping_wait() {
+                moves = 0;
+            }
+            checked
+        })
     }
 
     /// Checks the motions in `range` as [`check`](Self::check) does.
@@ -328,10 +376,10 @@ impl Program {
     ///
     /// The first [`Fault`], with the motion that has it.
     pub fn check_motions(&self, range: Range<usize>, limits: &Limits) -> Result<(), Fault> {
-        for (motion, entry) in self.entries().take(range.end).skip(range.start) {
-            self.check_entry(motion, entry)?;
-            if let Motion::Ptp(ptp) = entry {
-                check_joints(Some(motion), &ptp.target_rad, limits)?;
+        for checked in self.checked_entries(range) {
+            self.check_entry(&checked)?;
+            if let Motion::Ptp(ptp) = checked.entry {
+                check_joints(Some(checked.motion), &ptp.target_rad, limits)?;
             }
         }
         Ok(())
@@ -400,6 +448,9 @@ impl Program {
         match next.find(|entry| !entry.is_overlapping_wait()) {
             Some(Motion::Wait { .. }) => Err(Fault::BlendBeforeWait { motion }),
             Some(Motion::Load(_)) => Err(Fault::BlendBeforeLoad { motion }),
+            Some(next @ Motion::Io(_)) => {
+                Err(Fault::BlendBeforeIo { motion, next: next.motion_type().name() })
+            }
             None | Some(Motion::Ptp(_) | Motion::Cartesian(_)) => Ok(()),
         }
     }
@@ -418,6 +469,37 @@ impl Program {
         let previous = before.iter().rposition(|entry| !entry.is_overlapping_wait())?;
         self.motions[previous].has_blend().then(|| MotionIndex::new(previous))
     }
+}
+
+/// Entry of a program for its check.
+#[derive(Clone, Copy)]
+pub(crate) struct CheckedEntry<'a> {
+    pub(crate) motion: MotionIndex,
+    pub(crate) entry: &'a Motion,
+    /// Number of preceding motions since the last stop.
+    moves: usize,
+}
+
+fn check_io(motion: MotionIndex, entry: &IoEntry, moves: usize) -> Result<(), Fault> {
+    if let Some((key, message)) = entry.fault() {
+        return Err(Fault::Io { motion, key, message });
+    }
+    let found = entry.seconds();
+    if !(0.0..=MAX_WAIT_S).contains(&found) {
+        return Err(Fault::Wait { motion, found, max_s: MAX_WAIT_S });
+    }
+    check_overlap(motion, entry.overlap, moves)
+}
+
+/// Checks that enough motions precede a wait since the last stop.
+fn check_overlap(motion: MotionIndex, found: usize, before: usize) -> Result<(), Fault> {
+    if found > MAX_OVERLAP {
+        return Err(Fault::Overlap { motion, found, max: MAX_OVERLAP });
+    }
+    if before < found {
+        return Err(Fault::NothingToOverlap { motion, found, before });
+    }
+    Ok(())
 }
 
 /// Checks that all shares of limits are above 0 and at most 1.
@@ -443,7 +525,7 @@ const MAX_WAIT_S: f64 = 24.0 * 3600.0;
 /// Largest number of motions that a wait may overlap.
 pub const MAX_OVERLAP: usize = 1000;
 
-fn check_joints(
+pub(crate) fn check_joints(
     motion: Option<MotionIndex>,
     joints: &Joints,
     limits: &Limits,

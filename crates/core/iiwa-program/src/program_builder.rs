@@ -4,7 +4,9 @@ use iiwa_kin::Joints;
 
 use crate::{
     blend::Blend,
+    motion_label::MotionLabel,
     program::{Motion, Program, Ptp},
+    repeat_block::RepeatBlock,
     source::Sources,
     workcell::Workcell,
 };
@@ -78,6 +80,40 @@ impl ProgramBuilder {
     pub fn motion(mut self, motion: Motion) -> Self {
         self.program.motions.push(motion);
         self
+    }
+
+    /// Repeats the motions that `round` adds: `count` rounds, none with 0. `round` has to return
+    /// the builder that it receives.
+    ///
+    /// ```
+    /// use iiwa_program::Program;
+    ///
+    /// let program = Program::from_deg([0.0; 7])
+    ///     .repeat(3, |round| round.ptp_deg([20.0; 7]).ptp_deg([0.0; 7]))
+    ///     .build();
+    /// assert_eq!(program.motions.len(), 6);
+    /// assert!(program.to_json().contains("\"repeat\""));
+    /// assert_eq!(Program::from_json(&program.to_json())?, program);
+    /// # Ok::<(), iiwa_program::ProgramError>(())
+    /// ```
+    pub fn repeat(self, count: usize, round: impl FnOnce(Self) -> Self) -> Self {
+        let outer = self.program.sources.repeats().to_vec();
+        let first = self.program.motions.len();
+        let Self { mut program } = round(self);
+        let motions = program.motions.len().saturating_sub(first);
+        let added: Vec<_> = program.motions.drain(first.min(program.motions.len())..).collect();
+        let inner = program.sources.repeats().iter().skip(outer.len()).cloned();
+        let inner = inner.filter_map(|block| {
+            Some(RepeatBlock { first: block.first.checked_sub(first)?, ..block })
+        });
+        let label = MotionLabel::default();
+        let block = RepeatBlock { first, motions, count, label, inner: inner.collect() };
+        let is_block = motions > 0 && count > 0;
+        program.sources.set_repeats(outer.into_iter().chain(is_block.then_some(block)).collect());
+        for _ in 0..count {
+            program.motions.extend_from_slice(&added);
+        }
+        Self { program }
     }
 
     /// Limits the last motion to this share of every joint's velocity limit, in (0, 1].

@@ -1,17 +1,24 @@
 //! JSON form of programs. The types here are read, written and described by the JSON Schema.
 
+mod all_errors;
+mod block_size;
 mod by_name;
 mod cartesian;
+mod entries;
+mod entry_place;
 mod error;
 mod exact;
 mod frames;
 mod include;
+mod io;
 mod limits;
 mod motion_list;
 mod motions;
+mod notes;
+mod overlap;
 mod ptp;
-mod share;
-mod source;
+mod repeat;
+mod shapes;
 mod spline;
 mod target;
 mod wait;
@@ -19,7 +26,7 @@ mod workcell;
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{JsonStep, locate, object, object_or_null, read_version};
+use iiwa_json::{JsonStep, locate, object, object_or_null, read_version, without_mark};
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,14 +38,15 @@ use crate::{
     workcell::{MAX_FLANGE_M, Workcell},
 };
 use by_name::{by_name, word_or_null};
+use entries::{EntryWire, checked, entries_out};
 use error::VERSION;
 use exact::{exact_length_mm, exact_percent};
 use frames::{BaseWire, TargetRefWire, TargetWire, ToolWire};
 use include::{included, no_files};
-use motions::{MotionWire, checked, motions_out};
 use ptp::{joints_of, seven};
-use workcell::{ModeWire, MountWire, WorkcellOut, WorkcellWire};
+use workcell::{ModeWire, MountWire, WorkcellOut, mode_of, mount_of, named};
 
+pub use all_errors::MAX_ERRORS;
 pub use error::ProgramError;
 
 impl Program {
@@ -48,9 +56,13 @@ impl Program {
     /// ```
     /// use iiwa_program::Program;
     ///
-    /// let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0] }, "motions": [] }"#;
+    /// let text = r#"{
+    ///     "version": 1,
+    ///     "start": { "joints_deg": [0, 0, 0, 0, 0, 0] },
+    ///     "motions": []
+    /// }"#;
     /// let error = Program::from_json(text).unwrap_err();
-    /// assert_eq!((error.place().line, error.place().column), (1, 42));
+    /// assert_eq!((error.place().line, error.place().column), (3, 30));
     /// ```
     ///
     /// # Errors
@@ -87,21 +99,25 @@ impl Program {
         text: &str,
         read: impl FnOnce(&str) -> Result<String, String>,
     ) -> Result<Self, ProgramError> {
+        let text = without_mark(text);
         let wire = read_version(text, VERSION, |wire: &ProgramWire<'_>| wire.version)
             .map_err(|error| ProgramError::unread(text, error))?;
         let start = wire.start.start().map_err(|message| ProgramError::Json {
             message: format!("the start pose: {message}"),
             motion: None,
-            made_from: None,
+            sources: Sources::default(),
             place: locate(text, &[JsonStep::Key("start")]),
         })?;
-        let ProgramWire { tools, bases, frames, tool, base, mode, mount, .. } = wire;
-        let named =
-            WorkcellWire { tools, bases, frames, tool, base, mode, mount }.workcell(text)?;
-        let torque_limit_rel = wire.limit_torque_percent.map(|percent| percent / 100.0);
-        let speed_override = wire.override_percent.map(|percent| percent / 100.0);
-        let flange_m = wire.flange_mm.map(|mm| mm / 1e3);
-        let program_cell = Workcell { flange_m, torque_limit_rel, speed_override, ..named };
+        let program_cell = Workcell {
+            tool: wire.tool,
+            base: wire.base,
+            mode: mode_of(wire.mode),
+            mount: mount_of(wire.mount),
+            flange_m: wire.flange_mm.map(|mm| mm / 1e3),
+            torque_limit_rel: wire.limit_torque_percent.map(|percent| percent / 100.0),
+            speed_override: wire.override_percent.map(|percent| percent / 100.0),
+            ..named(text, wire.tools, wire.bases, wire.frames)?
+        };
         let workcell = match wire.include {
             Some(name) => included(text, &name, read)?.updated_with(program_cell),
             None => program_cell,
@@ -116,7 +132,8 @@ impl Program {
         checked(text, program, &wire.motions)
     }
 
-    /// Writes the program as JSON (version 1), with joints in rad, so that it reads back exactly.
+    /// Writes the program as JSON (version 1), with joints in rad, so that it reads back exactly. A
+    /// repeat block whose rounds are no longer the same is written out.
     ///
     /// ```
     /// use iiwa_program::Program;
@@ -135,7 +152,7 @@ impl Program {
             workcell: WorkcellOut::from(&self.workcell),
             limit_torque_percent: self.workcell.torque_limit_rel.map(exact_percent),
             override_percent: self.workcell.speed_override.map(exact_percent),
-            motions: motions_out(&self.motions, &self.sources),
+            motions: entries_out(&self.motions, &self.sources),
         };
         // Serialisation can only fail for a map whose keys are not strings.
         serde_json::to_string_pretty(&wire).unwrap_or_default()
@@ -201,13 +218,14 @@ struct ProgramWire<'a> {
     #[serde(default)]
     #[schemars(range(min = 1.0, max = 1000.0))]
     limit_torque_percent: Option<f64>,
-    /// Override of the controller: slows down all motions, but neither pauses nor waits.
+    /// Override of the controller: slows down motions, but neither the standstill after stops nor
+    /// waits.
     #[serde(default)]
     #[schemars(range(min = 0.1, max = 100.0))]
     override_percent: Option<f64>,
-    /// Motions in order.
+    /// Motions and repeat blocks in order.
     #[serde(borrow)]
-    #[schemars(with = "Vec<MotionWire>", length(min = 1))]
+    #[schemars(with = "Vec<EntryWire>", length(min = 1))]
     motions: Vec<&'a RawValue>,
 }
 
@@ -225,7 +243,7 @@ struct ProgramOut<'a> {
     limit_torque_percent: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     override_percent: Option<f64>,
-    motions: Vec<MotionWire>,
+    motions: Vec<EntryWire>,
 }
 
 /// Start pose: `joints_deg`, `joints_rad` or a `frame`.

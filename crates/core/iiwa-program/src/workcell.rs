@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use iiwa_json::{excerpt, meant};
-use iiwa_kin::{Load, Mount, Pose};
+use iiwa_kin::{Mount, Pose};
 
 use crate::{
-    frame::Frame,
-    target::{Target, TargetRef},
+    flange_load::FlangeLoad,
+    target::{Frame, Target, TargetRef},
 };
 
 /// Tools, bases and frames of a program, with the tool and base that motions use by default.
@@ -33,8 +33,8 @@ pub struct Workcell {
     /// Joint torque limit in either direction, as a share of the robot's torque limits; unlimited
     /// by default. From [`MIN_TORQUE_LIMIT`] to [`MAX_TORQUE_LIMIT`].
     pub torque_limit_rel: Option<f64>,
-    /// Override of the controller, as a share: slows down motions, but neither pauses nor waits. 1
-    /// by default. From [`MIN_OVERRIDE`] to 1.
+    /// Override of the controller, as a share: slows down motions, but neither the standstill after
+    /// stops nor waits. 1 by default. From [`MIN_OVERRIDE`] to 1.
     pub speed_override: Option<f64>,
 }
 
@@ -69,7 +69,7 @@ pub struct Tool {
     /// Further TCPs by name, in the flange frame.
     pub tips: BTreeMap<String, Frame>,
     /// Payload with this tool, if known.
-    pub load: Option<Load>,
+    pub load: Option<FlangeLoad>,
 }
 
 /// A reference frame for other frames.
@@ -95,8 +95,8 @@ pub enum NameFault {
         /// Known names.
         known: Vec<String>,
     },
-    /// A base is given in itself, directly or through other bases.
-    #[error("the base `{}` is given in itself, by way of its own base", excerpt(.name))]
+    /// A base refers to itself, directly or through other bases.
+    #[error("the base `{}` refers to itself through its own base", excerpt(.name))]
     Cycle {
         /// Name of the base.
         name: String,
@@ -172,7 +172,7 @@ impl Workcell {
     ///
     /// # Errors
     ///
-    /// If the base is unknown, or given in itself.
+    /// If the base is unknown, or refers to itself.
     pub fn base(&self, name: Option<&str>) -> Result<Pose, NameFault> {
         let mut name = name.or(self.base.as_deref()).unwrap_or(ROBOT);
         let mut pose = Pose::IDENTITY;

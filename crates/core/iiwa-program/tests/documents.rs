@@ -10,11 +10,14 @@ use serde_json::{Value, json};
 /// A file of tools, bases and frames.
 pub(crate) const CELL: &str = r#"{
   "version": 1,
-  "tools": { "gripper": { "tcp": { "z_mm": 120 }, "load": { "mass_kg": 1.5 } }, "probe": { "tcp": { "z_mm": 300 } } },
+  "tools": { "gripper": { "tcp": { "z_mm": 120 }, "load": { "mass_kg": 1.5 } },
+             "probe": { "tcp": { "z_mm": 300 } } },
   "bases": { "table": { "x_mm": 500, "a_deg": 30 }, "tray": { "base": "table", "y_mm": 40 } },
   "frames": {
-    "pick": { "base": "tray", "x_mm": 0, "y_mm": 0, "z_mm": 200, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 5, "status": 2 },
-    "place": { "base": "tray", "x_mm": 50, "y_mm": 0, "z_mm": 200, "a_deg": 0, "b_deg": 180, "c_deg": 0 }
+    "pick": { "base": "tray", "x_mm": 0, "y_mm": 0, "z_mm": 200,
+              "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 5, "status": 2 },
+    "place": { "base": "tray", "x_mm": 50, "y_mm": 0, "z_mm": 200,
+               "a_deg": 0, "b_deg": 180, "c_deg": 0 }
   }
 }"#;
 
@@ -179,14 +182,25 @@ pub(crate) fn frame_programs() -> Documents {
         "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
         "motions": [
             { "type": "ptp", "frame": "pick" },
-            { "type": "lin", "frame": frame, "cart_velocity_mm_s": 100, "blend": { "cart_mm": 20 } },
+            { "type": "lin", "frame": frame, "cart_velocity_mm_s": 100,
+              "blend": { "cart_mm": 20 } },
             { "type": "spline", "segments": [
                 { "type": "spl", "frame": frame, "velocity_rel": 0.5 },
                 { "type": "lin", "frame": "pick", "cart_jerk_mm_s3": 1000 } ] }
         ]
     });
     let at = |pointer: &str, value: Value| with(&good, pointer, value);
+    let circle = |aux: Value| json!({ "type": "circ", "aux": aux, "frame": frame });
+    let point = json!({ "x_mm": 600, "y_mm": 40, "z_mm": 300, "base": "table" });
+    let odd = vec![
+        at("/motions/1", circle(point.clone())),
+        at("/motions/2/segments/0", circle(point.clone())),
+    ];
     let bad = vec![
+        at("/motions/1", circle(without(&point, "/z_mm"))),
+        at("/motions/1", circle(with(&point, "/a_deg", json!(0)))),
+        at("/motions/1", circle(with(&point, "/e1_deg", json!(0)))),
+        at("/motions/1", json!({ "type": "circ", "aux": frame, "frame": point })),
         without(&good, "/frames/pick/x_mm"),
         without(&good, "/frames/pick/c_deg"),
         without(&good, "/motions/1/frame"),
@@ -208,7 +222,7 @@ pub(crate) fn frame_programs() -> Documents {
         at("/motions/2/segments/1/cart_jerk_mm_s3", json!(0)),
         at("/motions/2/segments/1/aux", json!("pick")),
     ];
-    Documents { good, bad, odd: Vec::new() }
+    Documents { good, bad, odd }
 }
 
 /// Payloads and a mounting.
@@ -221,6 +235,15 @@ pub(crate) fn load_programs() -> Documents {
         "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
         "motions": [{ "type": "load", "load": load }, { "type": "load", "load": null }]
     });
+    let shapes = json!([
+        { "type": "box", "center_mm": [0, 0, 50], "size_mm": [60, 40, 100], "rpy_deg": [0, 0, 9] },
+        { "type": "cylinder", "center_mm": [0, 0, 50], "radius_mm": 20, "length_mm": 100 },
+        { "type": "sphere", "center_mm": [0, 0, 50], "radius_mm": 20 },
+        { "type": "mesh", "file": "parts/blank.STL", "origin_mm": [0, 0, 5], "scale": 1000 },
+        { "type": "mesh", "file": "data:model/obj;base64,AAAA" }
+    ]);
+    let mut good = good;
+    good["motions"][0]["load"]["shapes"] = shapes;
     let at = |pointer: &str, value: Value| with(&good, pointer, value);
     let bad = vec![
         without(&good, "/motions/0/load"),
@@ -230,11 +253,60 @@ pub(crate) fn load_programs() -> Documents {
         at("/motions/0/load/center_mm", json!([0, 0])),
         at("/motions/0/load/weight", json!(1)),
         at("/motions/0/load", json!("gripper")),
+        without(&good, "/motions/0/load/shapes/0/size_mm"),
+        without(&good, "/motions/0/load/shapes/1/length_mm"),
+        without(&good, "/motions/0/load/shapes/2/center_mm"),
+        without(&good, "/motions/0/load/shapes/3/file"),
+        at("/motions/0/load/shapes/0/type", json!("sphere")),
+        at("/motions/0/load/shapes/0/type", json!("ball")),
+        at("/motions/0/load/shapes/0/size_mm", json!([60, 40, 0])),
+        at("/motions/0/load/shapes/0/center_mm", Value::Null),
+        at("/motions/0/load/shapes/2/radius_mm", json!(0)),
+        at("/motions/0/load/shapes/3/file", json!("blank.step")),
+        at("/motions/0/load/shapes/3/scale", json!(0)),
+        at("/motions/0/load/shapes", json!({})),
         at("/motions/0/seconds", json!(1)),
         at("/mount/rpy_deg", json!([0, 90])),
         at("/mount", json!("wall")),
     ];
     Documents { good, bad, odd: Vec::new() }
+}
+
+/// Repeat blocks.
+pub(crate) fn repeat_programs() -> Documents {
+    let wait = json!({ "type": "wait", "seconds": 1 });
+    let inner = json!({ "type": "repeat", "count": 2, "motions": [wait], "group": "inner" });
+    let good = json!({
+        "version": 1,
+        "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+        "motions": [wait, { "type": "repeat", "count": 3, "motions": [wait, inner],
+            "name": "stack", "comment": "two\nlines", "group": "outer" }]
+    });
+    let at = |pointer: &str, value: Value| with(&good, pointer, value);
+    let bad = vec![
+        without(&good, "/motions/1/count"),
+        without(&good, "/motions/1/motions"),
+        without(&good, "/motions/1/motions/1/count"),
+        at("/motions/1/count", json!(0)),
+        at("/motions/1/count", json!(-1)),
+        at("/motions/1/count", json!(2.5)),
+        at("/motions/1/count", json!("3")),
+        at("/motions/1/count", json!(100_001)),
+        at("/motions/1/motions", json!([])),
+        at("/motions/1/motions", json!({})),
+        at("/motions/1/motions/0", json!({ "type": "fly" })),
+        at("/motions/1/motions/1/motions/0/seconds", json!(-1)),
+        at("/motions/1/motions/1/rounds", json!(2)),
+        at("/motions/1/name", json!("")),
+        at("/motions/1/source", json!({ "file": "a.java", "line": 1 })),
+    ];
+    let odd = vec![
+        at("/motions/1/count", json!(1)),
+        at("/motions/1/comment", json!("")),
+        at("/motions/1/group", json!(null)),
+        at("/motions", json!([inner])),
+    ];
+    Documents { good, bad, odd }
 }
 
 /// Rejected files of frames.

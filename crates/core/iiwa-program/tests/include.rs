@@ -52,14 +52,19 @@ fn a_file_that_cannot_be_read_is_refused_where_it_is_named() {
 #[test]
 fn errors_within_the_file_have_their_places_there() {
     for (from, to, place, message) in [
-        ("\"z_mm\": 300", "\"z_mm\": \"300\"", (3, 109), "expected a number"),
+        ("\"z_mm\": 300", "\"z_mm\": \"300\"", (4, 42), "expected a number"),
         ("\"version\": 1", "\"version\": 2", (2, 14), "these are frames of version 2; version 1"),
-        ("\"e1_deg\": 5", "\"e1_rad\": 5, \"e1_deg\": 5", (6, 13), "`pick`: give either `e1_deg`"),
-        ("\"status\": 2", "\"status\": 8", (6, 13), "status is 8"),
-        ("\"frames\"", "\"include\": \"other.json\", \"frames\"", (5, 14), "includes no other"),
-        ("\"frames\"", "\"tool\": \"gripper\", \"frames\"", (5, 3), "unknown key `tool`"),
-        ("\"place\": {", "\"place\": { \"speed\": 1,", (7, 16), "unknown key `speed`"),
-        ("\n  }\n}", "\n  }\n", (9, 1), "the text ends too early"),
+        ("\"e1_deg\": 5", "\"e1_rad\": 5, \"e1_deg\": 5", (7, 13), "`pick`: give either `e1_deg`"),
+        ("\"status\": 2", "\"status\": 8", (7, 13), "status is 8"),
+        (
+            "\"frames\"",
+            "\"include\": \"other.json\", \"frames\"",
+            (6, 14),
+            "cannot include other files",
+        ),
+        ("\"frames\"", "\"tool\": \"gripper\", \"frames\"", (6, 3), "unknown key `tool`"),
+        ("\"place\": {", "\"place\": { \"speed\": 1,", (9, 16), "unknown key `speed`"),
+        ("\n  }\n}", "\n  }\n", (12, 1), "the text ends too early"),
     ] {
         let file = CELL.replacen(from, to, 1);
         assert_ne!(file, CELL);

@@ -13,14 +13,16 @@ fn limits_are_written_as_they_are_read() {
         write!(
             motions,
             r#"{separator}{{ "type": "lin_rel", "offset": {{ "z_mm": 1 }},
-            "cart_velocity_mm_s": {number}, "cart_acceleration_mm_s2": {number}, "cart_jerk_mm_s3": {number},
+            "cart_velocity_mm_s": {number}, "cart_acceleration_mm_s2": {number},
+            "cart_jerk_mm_s3": {number},
             "orientation_velocity_deg_s": {number}, "orientation_acceleration_deg_s2": {number},
             "orientation_jerk_deg_s3": {number} }}"#
         )
         .unwrap();
     }
     let text = format!(
-        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }}, "motions": [{motions}] }}"#
+        r#"{{ "version": 1, "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }},
+            "motions": [{motions}] }}"#
     );
     let program = Program::from_json(&text).unwrap();
     let again = Program::from_json(&program.to_json()).unwrap();
@@ -38,7 +40,8 @@ fn torque_limits_are_read_as_shares() {
         (r#""limit_torque_percent": 37.5,"#, Some(0.375)),
     ] {
         let text = format!(
-            r#"{{ "version": 1, {key} "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }}, "motions": [{{ "type": "ptp", "joints_deg": [9, 30, 0, -60, 0, 90, 0] }}] }}"#
+            r#"{{ "version": 1, {key} "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }},
+                "motions": [{{ "type": "ptp", "joints_deg": [9, 30, 0, -60, 0, 90, 0] }}] }}"#
         );
         let program = Program::from_json(&text).unwrap();
         assert_eq!(program.workcell.torque_limit_rel, expected);

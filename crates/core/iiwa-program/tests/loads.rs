@@ -4,12 +4,13 @@
 #![allow(clippy::unwrap_used)]
 
 use iiwa_program::{
-    Blend, Fault, Load, Motion, MotionIndex, MotionList, MotionType, Mount, Program,
+    Blend, Fault, FlangeLoad, Load, Motion, MotionIndex, MotionList, MotionType, Mount, Program,
 };
 
 fn program(keys: &str, motions: &str) -> String {
     format!(
-        r#"{{ "version": 1, {keys} "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }}, "motions": [{motions}] }}"#
+        r#"{{ "version": 1, {keys} "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }},
+            "motions": [{motions}] }}"#
     )
 }
 
@@ -23,7 +24,9 @@ const LOAD: &str = r#"{ "type": "load", "load": { "mass_kg": 3.5, "center_mm": [
     "inertia_kg_m2": [0.01, 0.02, 0.03], "abc_deg": [10, 20, 30] } }"#;
 const GONE: &str = r#"{ "type": "load", "load": null }"#;
 const PTP: &str = r#"{ "type": "ptp", "joints_deg": [0, 50, 0, -60, 0, 90, 0] }"#;
-const GRIPPER: &str = r#""tools": { "gripper": { "tcp": { "z_mm": 120 }, "load": { "mass_kg": 1.2 } } }, "tool": "gripper","#;
+const GRIPPER: &str = r#"
+    "tools": { "gripper": { "tcp": { "z_mm": 120 }, "load": { "mass_kg": 1.2 } } },
+    "tool": "gripper","#;
 
 #[test]
 fn loads_and_mounts_read_back() {
@@ -31,7 +34,9 @@ fn loads_and_mounts_read_back() {
         program(r#""mount": { "rpy_deg": [180, 12.3, -7] },"#, &[PTP, LOAD, PTP, GONE].join(", "));
     let read = Program::from_json(&text).unwrap();
     assert_eq!(read.workcell.mount, Mount::from_rpy_deg([180.0, 12.3, -7.0]));
-    let Motion::Load(Some(load)) = &read.motions[1] else { unreachable!("{:?}", read.motions[1]) };
+    let Motion::Load(Some(FlangeLoad { load, .. })) = &read.motions[1] else {
+        unreachable!("{:?}", read.motions[1])
+    };
     assert_eq!((load.mass_kg, load.center_mm), (3.5, [1.0, -2.0, 60.5]));
     assert_eq!(load.abc_rad, [10.0, 20.0, 30.0].map(f64::to_radians));
     assert_eq!(read.motions[3], Motion::Load(None));
@@ -63,9 +68,10 @@ fn invalid_loads_are_refused() {
         (r#"{ "type": "load", "load": null, "seconds": 1 }"#.to_owned(), "`seconds`"),
         (
             LOAD.replace("3.5", "-3.5"),
-            "motion 1: the load is that of no body; mass and moments of inertia must be 0 or more",
+            "motion 1: the load is not physically possible; mass and moments of inertia must be 0 \
+             or more",
         ),
-        (LOAD.replace("0.02", "-0.02"), "that of no body"),
+        (LOAD.replace("0.02", "-0.02"), "is not physically possible"),
     ] {
         let message = refused(&program("", &motions));
         assert!(message.contains(expected), "{message}");
@@ -89,7 +95,8 @@ fn nothing_is_blended_into_a_change_of_the_load() {
     let message = refused(&program("", &[&blended, LOAD, PTP].join(", ")));
     assert_eq!(
         message,
-        r#"motion 1 is followed by a change of the load, for which the arm stops; remove its blend | { "cart_mm": 30 }"#
+        "motion 1 is followed by a change of the load, for which the arm stops; remove its blend \
+         | { \"cart_mm\": 30 }"
     );
     let none = PTP.replace(" }", r#", "blend": { "cart_mm": 0 } }"#);
     Program::from_json(&program("", &[&none, LOAD, PTP].join(", "))).unwrap();
@@ -113,7 +120,8 @@ fn loads_are_those_of_tools_until_something_is_picked_up() {
     // A motion with another tool has that tool's payload; a motion with a tool without a payload
     // has that of the tool in use.
     let more = r#""tools": { "gripper": { "tcp": { "z_mm": 120 }, "load": { "mass_kg": 1.2 } },
-        "camera": { "tcp": { "x_mm": 80 }, "tips": { "left": { "x_mm": 90 } }, "load": { "mass_kg": 0.8 } },
+        "camera": { "tcp": { "x_mm": 80 }, "tips": { "left": { "x_mm": 90 } },
+                    "load": { "mass_kg": 0.8 } },
         "pen": { "tcp": { "z_mm": 10 } } }, "tool": "gripper","#;
     let by = |tool: &str| {
         format!(r#"{{ "type": "lin_rel", "offset": {{ "z_mm": -5 }}, "tool": "{tool}" }}"#)
@@ -127,7 +135,7 @@ fn loads_are_those_of_tools_until_something_is_picked_up() {
 #[test]
 fn a_load_made_in_code_is_checked() {
     let load = Load { mass_kg: f64::NAN, ..Load::default() };
-    let program = Program::from_deg([0.0; 7]).motion(Motion::Load(Some(load))).build();
+    let program = Program::from_deg([0.0; 7]).motion(Motion::Load(Some(load.into()))).build();
     let fault = program.check_numbers().unwrap_err();
     assert!(matches!(fault, Fault::Load { .. }) && !fault.is_of_the_arm());
 }

@@ -1,8 +1,13 @@
 //! Motion programs: JSON, includes, payloads and waits.
 
+mod all_errors;
 mod documents;
 mod include;
+mod io;
+mod labels;
 mod limits;
 mod loads;
 mod reader;
+mod repeats;
+mod shapes;
 mod waits;

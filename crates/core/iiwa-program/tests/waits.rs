@@ -49,10 +49,13 @@ fn a_wait_counts_the_motions_that_it_overlaps() {
 
 #[test]
 fn waits_and_sources_are_written_as_they_were_read() {
-    let sourced = r#"{ "type": "wait", "seconds": 0.5, "overlap_motions": 2, "source": { "file": "A.java", "line": 7 } }"#;
+    let sourced = r#"{ "type": "wait", "seconds": 0.5, "overlap_motions": 2,
+        "source": { "file": "A.java", "line": 7 } }"#;
     let load = r#"{ "type": "load", "load": null, "source": { "file": "B.java", "line": 8 } }"#;
-    let lin = r#"{ "type": "lin_rel", "offset": { "z_mm": 5 }, "source": { "file": "A.java", "line": 9 } }"#;
-    let ptp = r#"{ "type": "ptp", "joints_deg": [2, 0, 0, 9, 0, 0, 0], "source": { "file": "A.java", "line": 1 } }"#;
+    let lin = r#"{ "type": "lin_rel", "offset": { "z_mm": 5 },
+        "source": { "file": "A.java", "line": 9 } }"#;
+    let ptp = r#"{ "type": "ptp", "joints_deg": [2, 0, 0, 9, 0, 0, 0],
+        "source": { "file": "A.java", "line": 1 } }"#;
     let overlapping = r#"{ "type": "wait", "seconds": 0.25, "overlap": true }"#;
     let program =
         Program::from_json(&text(&[FIRST, FIRST, sourced, ptp, overlapping, load, lin])).unwrap();
@@ -89,18 +92,18 @@ fn a_wait_that_overlaps_nothing_is_refused() {
     let wait = r#"{ "type": "wait", "seconds": 1, "overlap": true }"#;
     let (message, line, place) = error(&[wait, NEXT]);
     assert!(
-        message.starts_with("motion 1: the wait is to overlap a motion, and there is none"),
+        message.starts_with("motion 1 overlaps a motion, but no motion precedes it"),
         "{message}"
     );
     assert_eq!((line, place.as_str()), (1, "true"));
     // A plain wait and a payload change stop the robot.
     let plain = r#"{ "type": "wait", "seconds": 1 }"#;
     let load = r#"{ "type": "load", "load": null }"#;
-    assert!(error(&[NEXT, plain, wait]).0.starts_with("motion 3: the wait is to overlap a motion"));
-    assert!(error(&[NEXT, load, wait]).0.starts_with("motion 3: the wait is to overlap a motion"));
+    assert!(error(&[NEXT, plain, wait]).0.starts_with("motion 3 overlaps a motion"));
+    assert!(error(&[NEXT, load, wait]).0.starts_with("motion 3 overlaps a motion"));
     let two = r#"{ "type": "wait", "seconds": 1, "overlap_motions": 2 }"#;
     let (message, line, place) = error(&[NEXT, wait, two]);
-    assert!(message.contains("overlap 2 motions, and there is one before it"), "{message}");
+    assert!(message.contains("overlaps 2 motions, but only one motion precedes it"), "{message}");
     assert_eq!((line, place.as_str()), (3, "2"));
     let none = r#"{ "type": "wait", "seconds": 1, "overlap_motions": 0 }"#;
     assert_eq!(error(&[NEXT, none]).0, "motion 2: overlap_motions must be at least 1");
@@ -124,7 +127,8 @@ fn a_blend_looks_through_overlapping_waits() {
 
 #[test]
 fn errors_name_the_source() {
-    let far = r#"{ "type": "ptp", "joints_deg": [20, 0, 0, 9, 0, 0, 0], "velocity_rel": 2, "source": { "file": "Weld.java", "line": 84 } }"#;
+    let far = r#"{ "type": "ptp", "joints_deg": [20, 0, 0, 9, 0, 0, 0], "velocity_rel": 2,
+        "source": { "file": "Weld.java", "line": 84 } }"#;
     let (message, line, place) = error(&[FIRST, far]);
     assert!(message.starts_with("motion 2 (Weld.java:84): velocity_rel is 2"), "{message}");
     assert_eq!((line, place.as_str()), (2, "2"));
@@ -132,7 +136,7 @@ fn errors_name_the_source() {
     assert!(error(&[FIRST, &unread]).0.starts_with("motion 2 (Weld.java:84): "));
     let zero = far.replace("84", "0");
     let (message, line, _) = error(&[FIRST, &zero]);
-    assert_eq!((message.as_str(), line), ("motion 2: the first line of a source is line 1", 2));
+    assert_eq!((message.as_str(), line), ("motion 2: the first line of a source is line 1", 3));
 }
 
 #[test]

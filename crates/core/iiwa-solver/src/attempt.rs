@@ -12,16 +12,27 @@ use crate::{
     cell::Cell,
     cell_rows::RowParabolas,
     cells::{Lowering, has_row_at_end},
-    error::SolveError,
     geometry::PlaceValues,
     lanes::dispatch,
     limited_segment::LimitedSegment,
     mesh::{Mesh, mesh},
     peaks::{Peak, SHARES, larger},
     settings::{AttemptSettings, RefinementSettings, SETTINGS, WarmStart, WindowSettings},
-    solver::Solver,
-    window::Window,
+    solver::{SolveError, Solver},
 };
+
+/// Segments that are solved together. A start or an end at rest is on a line.
+#[derive(Clone)]
+pub struct Window<'a, 'b> {
+    /// All segments of a section.
+    pub segments: &'a [LimitedSegment<'b>],
+    /// Indices of the segments to solve for, at least one.
+    pub range: Range<usize>,
+    /// x (rad^2/s^2) and dx/dsigma (rad/s^2) at the start; `None` at rest.
+    pub entry: Option<[f64; 2]>,
+    /// x (rad^2/s^2) and dx/dsigma (rad/s^2) at the end; `None` at rest.
+    pub exit: Option<[f64; 2]>,
+}
 
 const REFINEMENT: RefinementSettings = SETTINGS.refinement;
 const GAP: f64 = SETTINGS.interior_point.gap;
@@ -50,7 +61,7 @@ struct CellShares {
     of: ByKind<f64>,
     /// Largest share of a further limit.
     row: f64,
-    /// Largest share of the room that the offset of a further limit leaves.
+    /// Largest value of moving part / (limit - offset) of a further limit.
     of_room: f64,
 }
 
@@ -383,8 +394,8 @@ impl Attempt {
     }
 
     /// Largest share of a further limit in the stretch between two shares of cell `k`, and largest
-    /// share of the room that an offset leaves; both are 0 without further limits. `rates` are
-    /// those of sigma at [`SHARES`] of the stretch.
+    /// value of moving part / (limit - offset); both are 0 without further limits. `rates` are the
+    /// rates of sigma at [`SHARES`] of the stretch.
     #[inline(always)]
     fn largest_rows(&self, k: usize, [from, to]: [f64; 2], rates: &[PlaceValues; 3]) -> [f64; 2] {
         let near = self.mesh.rows.near(k);

@@ -69,7 +69,7 @@ impl BoundedRow {
         self.upper.0[lane] = 1.0 - row.offset;
     }
 
-    /// Tightens the limits of a cell, less the offset, by the factor `by`.
+    /// Multiplies the limits of a cell, minus their offsets, by the factor `by`.
     pub(crate) fn scale(&mut self, lane: usize, by: f64) {
         for coefficient in [&mut self.x, &mut self.v] {
             coefficient.0[lane] /= by;

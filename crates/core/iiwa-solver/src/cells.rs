@@ -11,8 +11,8 @@
 //! - to jerk at both ends and in the middle;
 //! - to further quantities, such as torques, at the start and in the middle.
 //!
-//! Each limit is a row, divided by the limit so that the bound is 1, with a slack s and a dual z on
-//! either side.
+//! Each limit is a row, divided by the limit: its bound is 1, for jerk `x^(-1/2)`. A row has a
+//! slack s and a dual z on either side.
 
 use std::ops::Range;
 
@@ -54,7 +54,7 @@ pub(crate) struct LimitSums {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lowering {
     pub(crate) of: ByKind<f64>,
-    /// Factor on the room that the offsets of further limits leave.
+    /// Factor on further limits, after subtraction of their offsets.
     pub(crate) rows: f64,
 }
 
@@ -103,8 +103,8 @@ struct AnyBlock<'a> {
 /// Index of the tool coordinate.
 const TOOL: usize = 7;
 
-/// Kinds with a row at the start of a cell but not at its end. Where two segments meet, the lower
-/// limits of both apply.
+/// Kinds with a row at the start of a cell but not at its end. Where two segments meet, the smaller
+/// of their limits applies.
 const AT_STARTS: [LimitKind; 2] = [LimitKind::Velocity, LimitKind::Acceleration];
 
 /// True if limits of this kind have a row at the end of a cell.
@@ -133,9 +133,9 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         Self { cell, segment: &segments[cell.segment], geometry: &mesh.geometry[k], before }
     }
 
-    /// Reciprocals of the velocity and acceleration limits at the start: the lower limits of both
-    /// segments. Also returns the derivatives by sigma to which they apply, if these differ from
-    /// those of the segment alone.
+    /// Reciprocals of the velocity and acceleration limits at the start: for each limit, the
+    /// smaller one of both segments. Also returns the derivatives with respect to sigma to which
+    /// they apply, if these differ from those of the segment alone.
     fn at_start(&self) -> ([Coordinates; 2], Option<SigmaDerivatives>) {
         let current = AT_STARTS.map(|kind| self.segment.inverse[kind]);
         let Some(before) = self.before else { return (current, None) };
@@ -145,8 +145,8 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         if !before.has_tool() {
             return (lower, None);
         }
-        // The tool coordinate differs from segment to segment: that of this segment gets the lower
-        // limits of both, in its own unit.
+        // The tool coordinate differs from segment to segment: the coordinate of this segment gets
+        // the smaller limits of both, in its own unit.
         let mut derivatives = self.segment.derivatives_at(self.geometry, 0);
         let at_end = before.derivatives(1.0);
         let [rate, rate_before] = [derivatives[0][TOOL], at_end[0][TOOL]];

@@ -1,16 +1,16 @@
-//! Derivatives of a segment by sigma, at several places at once.
+//! Derivatives of a segment with respect to sigma, at several places at once.
 
 use iiwa_path::{Coordinates, PLACES};
 
-/// First to third derivative of q by sigma; in 1, 1/rad and 1/rad^2. The last entry of each, of the
-/// tool coordinate, has the unit of that coordinate instead of rad.
+/// First to third derivative of q with respect to sigma; in 1, 1/rad and 1/rad^2. The last entry of
+/// each, of the tool coordinate, has the unit of that coordinate instead of rad.
 pub(crate) type SigmaDerivatives = [Coordinates; 3];
 
 /// A number for each place.
 pub(crate) type PlaceValues = [f64; PLACES];
 
-/// First to third derivative of q by sigma at eight places of a segment, in the form that suits its
-/// shape.
+/// First to third derivative of q with respect to sigma at eight places of a segment, in the form
+/// that suits its shape.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Geometry {

@@ -220,7 +220,7 @@ mod tests {
                     assert_near(row_value(row), share / 0.8, "lowered");
                 }
                 // On a line with this direction, jerk is proportional to half the second derivative
-                // of x by sigma.
+                // of x with respect to sigma.
                 JerkRow::set(&mut line, lane, &[0], &curve, length, &INVERSE);
                 let rate = 0.5 * place[2] / length.powi(2);
                 let share =

@@ -31,7 +31,7 @@ impl KnownMotion {
         [x, -2.0 * square * sigma * length, -2.0 * square * length * length]
     }
 
-    /// Derivatives of the curve by sigma at an instant.
+    /// Derivatives of the curve with respect to sigma at an instant.
     pub(crate) fn curve(&self, t_s: f64) -> SigmaDerivatives {
         let s = self.sigma(t_s);
         let by = |f: fn([f64; 3], f64) -> f64| std::array::from_fn(|j| f(factors(j), s));

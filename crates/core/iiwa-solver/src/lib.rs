@@ -1,23 +1,26 @@
 //! Time-optimal motion along a joint path under velocity, acceleration and jerk limits.
 //!
 //! The path parameter sigma, in rad, is the distance along a line in joint space; in blends, it is
-//! chosen such that the first two derivatives of the path by sigma are continuous. The unknown, x =
-//! (dsigma/dt)^2, is a cubic on each cell of a [mesh](Mesh), except on the cells that touch rest,
-//! in which jerk is constant. Each limit at a point of a cell is one constraint, called a row. Rows
-//! of velocity and acceleration are linear in x and its derivative. Jerk is sqrt(x) times an
-//! expression that is linear in x and its first two derivatives; its row bounds this expression, in
-//! units of the limit, by 1/sqrt(x).
+//! chosen such that the first two derivatives of the path with respect to sigma are continuous. The
+//! unknown, x = (dsigma/dt)^2, is a cubic on each cell of a [mesh](Mesh), except on the cells that
+//! touch rest, in which jerk is constant. At some points of each cell, the limits become
+//! constraints, called rows: one per joint for acceleration and for jerk, a single one for
+//! velocity, which is that of the joint nearest to its limit. On lines, joints move in proportion,
+//! so that one row each is sufficient for acceleration and for jerk. Rows of velocity and
+//! acceleration are linear in x and its derivative. Jerk is sqrt(x) L, with L linear in x and its
+//! first two derivatives: the limit |jerk| <= j is the row |L| / j <= 1/sqrt(x).
 //!
 //! A primal-dual interior-point method minimises the duration; each of its Newton steps is a
-//! Riccati recursion. Rows apply at a few points of each cell. Where a limit is exceeded in
-//! between, the rows of that cell are tightened, and the cells around it are solved again.
+//! Riccati recursion. Between the points with rows, the solution may exceed a limit. The rows of
+//! this cell are then tightened, and the cell is solved again with the cells around it.
 //!
-//! The input is segments, their limits, and an initial motion within the velocity and acceleration
-//! limits ([`SweptNode`]s); `iiwa-traj` builds trajectories from the solution.
+//! The input is segments, their limits, and an initial motion ([`SweptNode`]s), which should be
+//! within the velocity and acceleration limits, since it determines the mesh and the initial values
+//! of x. `iiwa-traj` builds trajectories from the solution.
 //!
 //! The example solves for a line, a blend and a line, from rest to rest, on a mesh of the usual
-//! fineness, 1.0. In a `SweptNode`, `p` is the share of the segment, `rate` is dp/dt, and `u` is
-//! d2p/dt2 at both ends of the interval to the next node.
+//! fineness, 1.0. In a `SweptNode`, `p` is the share of the segment's sigma, from 0 to 1, `rate` is
+//! dp/dt, and `u` is d2p/dt2 at both ends of the interval to the next node.
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -33,7 +36,10 @@
 //!     .ptp_deg([20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 //!     .build();
 //! let path = JointPath::new(&program, &Robot::default())?;
-//! // Rough initial motion, sufficient for this example: constant speed, 1 s per segment.
+//! // Initial motion at constant speed, 1 s per segment. For brevity, its times start again at 0
+//! // in each segment, whereas the times of a real one continue. Its speed jumps at rest and
+//! // between segments, so that it exceeds the acceleration limits. In this example, the solver
+//! // converges all the same.
 //! let swept = [0.0, 0.5, 1.0].map(|p| SweptNode { t_s: p, p, rate: 1.0, u: [0.0; 2] });
 //! let segments: Vec<_> = path
 //!     .steps()
@@ -53,9 +59,9 @@
 
 #![expect(
     clippy::inline_always,
-    reason = "kernels belong into the function that enables vector instructions"
+    reason = "kernels must be inlined into the function that enables vector instructions"
 )]
-#![expect(clippy::needless_range_loop, reason = "rows of eight numbers are indexed together")]
+#![expect(clippy::needless_range_loop, reason = "several arrays are indexed by the same index")]
 
 mod attempt;
 mod blocks;
@@ -63,7 +69,6 @@ mod bounded_rows;
 mod cell;
 mod cell_rows;
 mod cells;
-mod error;
 mod functionals;
 mod geometry;
 mod jerk_rows;
@@ -84,14 +89,13 @@ mod slack_pair;
 mod solution;
 mod solver;
 mod velocity_rows;
-mod window;
 
+pub use attempt::Window;
 pub use cell::Cell;
-pub use error::SolveError;
 pub use geometry::Geometry;
 pub use limited_segment::{LimitedSegment, SweptNode};
 pub use mesh::Mesh;
 pub use rest_ramp::{RestRamp, fade};
 pub use row_limit::{PathRow, RowLimit, RowLimits};
 pub use solution::Solution;
-pub use window::Window;
+pub use solver::SolveError;

@@ -303,7 +303,7 @@ impl<'a> LimitedSegment<'a> {
         (node.rate * self.length).powi(2)
     }
 
-    /// Derivatives of q by sigma at some sigma, in rad.
+    /// Derivatives of q with respect to sigma at some sigma, in rad.
     #[must_use]
     pub fn geometry(&self, sigma: &PlaceValues) -> Geometry {
         if self.is_line() {
@@ -320,7 +320,7 @@ impl<'a> LimitedSegment<'a> {
         }
     }
 
-    /// First to third derivative of q by sigma at one place of `geometry`.
+    /// First to third derivative of q with respect to sigma at one place of `geometry`.
     pub(crate) fn derivatives_at(&self, geometry: &Geometry, place: usize) -> SigmaDerivatives {
         let [ahead, across] = &self.plane;
         match geometry {
@@ -337,7 +337,7 @@ impl<'a> LimitedSegment<'a> {
         }
     }
 
-    /// First to third derivative of q by sigma at `s`; in 1, 1/rad and 1/rad^2.
+    /// First to third derivative of q with respect to sigma at `s`; in 1, 1/rad and 1/rad^2.
     pub(crate) fn derivatives(&self, s: f64) -> SigmaDerivatives {
         if let Some(direction) = &self.direction {
             return [with_tool(direction, 0.0), [0.0; 8], [0.0; 8]];

@@ -141,8 +141,8 @@ impl Swept {
 }
 
 /// Builds the mesh of the segments in `part`. Each of its ends is at rest or continues in the
-/// neighbouring segment. Returns `None` if there are no cells beside those that touch rest, or far
-/// too many.
+/// neighbouring segment. Returns `None` if all cells touch rest, or if there are far too many
+/// cells.
 pub(crate) fn mesh(
     segments: &[LimitedSegment<'_>],
     part: Range<usize>,
@@ -375,6 +375,7 @@ mod tests {
             .ptp_deg([20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0])
             .build();
         let path = JointPath::new(&program, &Robot::default()).unwrap();
+        // For brevity, the times start again at 0 in each segment.
         let swept = [0.0, 0.5, 1.0].map(|p| SweptNode { t_s: p, p, rate: 1.0, u: [0.0; 2] });
         let segments: Vec<_> = path
             .steps()

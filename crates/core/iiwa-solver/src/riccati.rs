@@ -247,7 +247,7 @@ pub(crate) fn defect(lengths: &[f64], states: &[CellState], k: usize) -> [f64; 2
     [dot(&EndX::ROW, y) - next[0], ratio * dot(&EndV::ROW, y) - next[1]]
 }
 
-/// Sets W1 so that x comes to rest: `to_rest y` is zero.
+/// Sets W1 so that x ends at rest: `to_rest y` is zero.
 #[inline(always)]
 pub(crate) fn come_to_rest(to_rest: &CellState, y: &mut CellState) {
     y[3] = -(to_rest[0] * y[0] + to_rest[1] * y[1] + to_rest[2] * y[2]) / to_rest[3];

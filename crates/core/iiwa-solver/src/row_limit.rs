@@ -24,10 +24,10 @@ impl PathRow {
     }
 }
 
-/// A limit of a segment beside velocity, acceleration and jerk limits, as rows
+/// A limit of a segment other than velocity, acceleration and jerk limits, as rows
 /// `-1 <= a u + b x + c <= 1`.
 ///
-/// With position q and its derivatives q' and q'' by the path parameter, a limit of
+/// With position q and its derivatives q' and q'' with respect to the path parameter, a limit of
 /// `M(q) d2q/dt2 + h(q, dq/dt) + g(q)` with h quadratic in the velocity has `a = M q'`,
 /// `b = M q'' + h(q, q')` and `c = g`, each over the limit. Examples are torques, accelerations of
 /// a point of the robot, and linear combinations of joint accelerations.
@@ -36,7 +36,7 @@ pub trait RowLimit: fmt::Debug + Send + Sync {
     fn row_count(&self) -> usize;
 
     /// Rows at places of a path, place after place, from the joint positions in rad and their first
-    /// and second derivatives by the path parameter.
+    /// and second derivatives with respect to the path parameter.
     fn rows(
         &self,
         joints_rad: &[Joints],

@@ -125,7 +125,7 @@ impl Sides {
     pub(crate) const COUNT: usize = 2;
 
     /// Sets the slacks to the distances from the bounds `[lower, upper]`, but at least to
-    /// `min_slack`; in that array, the upper side comes first.
+    /// `min_slack`; in that array, the upper side is first.
     #[inline(always)]
     pub(crate) fn start<S: Simd>(
         &mut self,

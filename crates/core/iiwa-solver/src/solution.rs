@@ -3,12 +3,11 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::{
-    attempt::Attempt,
-    error::SolveError,
+    attempt::{Attempt, Window},
     limited_segment::LimitedSegment,
     mesh::Mesh,
     settings::{AttemptSettings, SETTINGS},
-    window::Window,
+    solver::SolveError,
 };
 
 /// The best motion found for a window.
@@ -19,7 +18,7 @@ impl Solution {
     ///
     /// # Errors
     ///
-    /// If no attempt comes near enough to the optimum, or if `stop` is set, which is checked before
+    /// If no attempt is near enough to the optimum, or if `stop` is set, which is checked before
     /// each Newton step.
     pub fn find(
         window: &Window<'_, '_>,
@@ -59,8 +58,8 @@ impl Solution {
         self.0.time_scale
     }
 
-    /// x (rad^2/s^2) and its first two derivatives by sigma (rad/s^2 and 1/s^2) at the share `f` of
-    /// `cell`, counted without the two cells that touch rest.
+    /// x (rad^2/s^2) and its first two derivatives with respect to sigma (rad/s^2 and 1/s^2) at the
+    /// share `f` of `cell`, counted without the two cells that touch rest.
     #[must_use]
     pub fn at(&self, cell: usize, f: f64) -> [f64; 3] {
         self.0.solver.at(cell, f)

@@ -23,12 +23,12 @@ use std::{
 };
 
 use pulp::Simd;
+use thiserror::Error;
 
 use crate::{
     blocks::{Blocks, for_each_block},
     cell::Cell,
     cells::{LargestDecreases, LimitSums, Lowering},
-    error::SolveError,
     functionals::{CellState, EndV, EndX, Functional, StartX},
     lanes::dispatch,
     limited_segment::LimitedSegment,
@@ -39,6 +39,17 @@ use crate::{
     settings::{InteriorPointSettings, WarmStart},
     slack_pair::{InteriorStep, SlackStart},
 };
+
+/// An error of the solver: it returns no solution.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum SolveError {
+    /// No attempt came near enough to the optimum.
+    #[error("no attempt came near enough to the optimum")]
+    NotConverged,
+    /// The stop flag of the caller was set.
+    #[error("interrupted")]
+    Interrupted,
+}
 
 /// The problem of one section, with the current iterate.
 pub(crate) struct Solver {
@@ -264,8 +275,8 @@ impl Solver {
         for_each_block!(&mut self.blocks, cells, block => block.lower(first, by));
     }
 
-    /// x and its first two derivatives by sigma at the share `f` of cell `k`, counted without the
-    /// two cells that touch rest.
+    /// x and its first two derivatives with respect to sigma at the share `f` of cell `k`, counted
+    /// without the two cells that touch rest.
     #[inline(always)]
     pub(crate) fn at(&self, k: usize, f: f64) -> [f64; 3] {
         let [x, v, w0, w1] = self.states[k];
@@ -334,7 +345,7 @@ impl Solver {
         Some(std::array::from_fn(|i| EndV::ROW[i] + slope * EndX::ROW[i]))
     }
 
-    /// Sets the last W1 so that x comes to rest, if the section ends at rest.
+    /// Sets the last W1 so that x ends at rest, if the section ends at rest.
     fn stop(&mut self) {
         if let (Some(to_rest), Some(last)) = (self.to_rest(), self.states.last_mut()) {
             riccati::come_to_rest(&to_rest, last);

@@ -1,14 +1,14 @@
-//! Figures of a trajectory: duration and active limits of each motion.
+//! Figures of a trajectory: duration and active limits of each motion; for motions to frames also
+//! TCP speed and distance from singularities.
 
-use iiwa_kin::Joints;
+use iiwa_kin::{Joints, SingularPart, Status};
 use iiwa_path::Step;
-use iiwa_program::{MotionIndex, MotionType};
+use iiwa_program::{IoEntry, MotionIndex, MotionType};
 
 use crate::{
-    cartesian_figures::CartesianFigures,
     limit::{Limit, LimitShare},
     limit_usage::LimitUsage,
-    section::{PieceKind, Section},
+    section::{Piece, PieceKind, Section},
 };
 
 /// Total times by kind of piece.
@@ -64,12 +64,42 @@ pub struct MotionFigures {
     /// Top speed: the largest share of a joint's velocity limit (the robot's limit, not the
     /// motion's).
     pub peak_velocity_rel: f64,
-    /// Limit that is active for the longest time; none without motion.
+    /// Limit that is active for the longest time or, if none is active, the one with the largest
+    /// ratio of value to limit; `None` without motion.
     pub limited_by: Option<Limit>,
-    /// All active limits, the one for the longest time first.
+    /// All active limits, the longest active first.
     pub limits: Vec<LimitShare>,
     /// TCP figures, if the motion's target is a frame or the program has a tool.
     pub cartesian: Option<CartesianFigures>,
+}
+
+/// Samples per interval between two nodes of a trajectory. Nodes are dense where the path bends, so
+/// that the speed hardly has a peak in between.
+const TCP_SAMPLES: u32 = 4;
+
+/// Figures of a motion whose target is a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CartesianFigures {
+    /// Top TCP speed, in m/s.
+    pub tcp_speed_peak_m_s: f64,
+    /// Point at which the robot is nearest to a singularity.
+    pub nearest_singularity: NearestSingularity,
+    /// Status at the end.
+    pub status: Status,
+    /// E1, the position of A3, at the start and at the end, in rad.
+    pub e1_rad: [f64; 2],
+}
+
+/// Point at which the robot is nearest to a singularity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearestSingularity {
+    /// Distance measure: 0 in the singularity, 1 at most; see
+    /// [`Singularity`](iiwa_kin::Singularity).
+    pub distance: f64,
+    /// Time, in s from the start of the program.
+    pub at_s: f64,
+    /// Kind of singularity.
+    pub part: SingularPart,
 }
 
 /// Figures of one blend.
@@ -112,7 +142,9 @@ impl Section {
                 }
                 let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
                 let motion_type = match first.kind {
-                    PieceKind::Wait => MotionType::Wait,
+                    PieceKind::Wait => {
+                        self.path.io(first.motion).map_or(MotionType::Wait, IoEntry::motion_type)
+                    }
                     // A program without tools and frames has PTP motions only.
                     _ => self.path.motion_type(first.motion).unwrap_or_default(),
                 };
@@ -131,6 +163,34 @@ impl Section {
                 }
             })
             .collect()
+    }
+
+    /// Returns the figures of consecutive pieces, one motion of this section; none without motion.
+    fn cartesian_figures(&self, pieces: &[Piece]) -> Option<CartesianFigures> {
+        let robot = self.path.robot();
+        let mut moving = pieces.iter().filter(|piece| piece.kind.moves()).peekable();
+        let start = self.at(moving.peek()?.start_s);
+        let mut end = start;
+        let (distance, part) = robot.singularity(&start.q).nearest();
+        let mut nearest = NearestSingularity { distance, at_s: start.t_s, part };
+        let mut peak_m_s = 0.0_f64;
+        for piece in moving {
+            let tcp = self.path.tcp(piece.motion);
+            for state in self.samples_of(piece, TCP_SAMPLES) {
+                peak_m_s = peak_m_s.max(robot.tcp_speed_m_s(tcp, &state.q, &state.dq));
+                let (distance, part) = robot.singularity(&state.q).nearest();
+                if distance < nearest.distance {
+                    nearest = NearestSingularity { distance, at_s: state.t_s, part };
+                }
+                end = state;
+            }
+        }
+        Some(CartesianFigures {
+            tcp_speed_peak_m_s: peak_m_s,
+            nearest_singularity: nearest,
+            status: Status::of(robot, &end.q),
+            e1_rad: [start.q[2], end.q[2]],
+        })
     }
 
     /// Returns the figures of the blends of this section, in order.

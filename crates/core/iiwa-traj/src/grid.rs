@@ -64,7 +64,7 @@ const MIN_INTERVALS_UNEVEN: usize = 300;
 #[derive(Debug)]
 struct BlendTable {
     nodes: Vec<GridNode>,
-    /// First and second derivative of `s alpha` and of `beta` by p.
+    /// First and second derivative of `s alpha` and of `beta` with respect to p.
     derivatives: Vec<[[f64; 2]; 2]>,
 }
 
@@ -140,8 +140,8 @@ impl Grid {
         }
     }
 
-    /// Sets the first and second derivatives of the joints by p at every node on a segment, each
-    /// joint times its `scale`.
+    /// Sets the first and second derivatives of the joints with respect to p at every node on a
+    /// segment, each joint times its `scale`.
     ///
     /// The eighth element of each row is zero: rows of eight fill vector registers.
     ///
@@ -194,8 +194,8 @@ impl Grid {
     /// Returns s at each node of a polynomial blend.
     ///
     /// Between nodes, the error of a sweep is proportional to the squared interval length times the
-    /// third derivative of the path's direction by p, which is largest within a tenth of s from
-    /// either end, for any kappa.
+    /// third derivative of the path's direction with respect to p, which is largest within a tenth
+    /// of s from either end, for any kappa.
     fn blend_s(&self) -> impl Iterator<Item = f64> + use<> {
         even(self.intervals).map(|t| t - ENDS * (TAU * t).sin() / TAU)
     }
@@ -224,8 +224,8 @@ fn nodes(s: impl Iterator<Item = f64>, sigma: impl Fn(f64) -> [f64; 4]) -> Vec<G
     nodes
 }
 
-/// Returns the first and second derivative of the tool coordinate by p, at `s` of a segment with
-/// the grid node `node` there.
+/// Returns the first and second derivative of the tool coordinate with respect to p, at `s` of a
+/// segment with the grid node `node` there.
 pub(crate) fn tool_derivatives(
     tool: &ToolCoordinate,
     segment: &dyn Segment,

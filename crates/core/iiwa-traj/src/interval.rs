@@ -1,4 +1,4 @@
-//! Motion between two nodes.
+//! Nodes of the time parameterisation, and motion between two nodes.
 //!
 //! The sweep lets d2p/dt2 change linearly with p. With the rate of change `k`,
 //! `d2p/dt2 = u + k (p - p0)` is solved by hyperbolic sines for positive k, by sines for negative k
@@ -7,7 +7,27 @@
 
 use pulp::Simd;
 
-use crate::node::Node;
+/// Node of a piece. Up to the next node, p is the polynomial of degree five in time that meets
+/// both, or the cubic with linear d2p/dt2 if that misses the next node by at most 1e-12 of the way.
+/// Under jerk-limited timing, d2p/dt2 is continuous from interval to interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Node {
+    /// Time since the start of the section, in s.
+    pub t_s: f64,
+    /// Time to the next node, in s; 0 at the last node. Unlike differences of `t_s`, it keeps all
+    /// digits late in a section.
+    pub dt_s: f64,
+    /// Position in the piece's segment: share of its sigma, 0 to 1, as input of
+    /// [`at_share`](iiwa_path::Segment::at_share).
+    pub p: f64,
+    /// Change of p to the next node; 0 at the last node. Unlike differences of `p`, it keeps all
+    /// digits.
+    pub dp: f64,
+    /// dp/dt, in 1/s.
+    pub rate: f64,
+    /// d2p/dt2 just after this node and just before the next one, in 1/s^2.
+    pub u: [f64; 2],
+}
 
 /// Returns the durations of eight intervals of length `ds`, in s. The rates at both ends (1/s) add
 /// up to `rates`, and the second derivative changes by `change`, linearly with the way.

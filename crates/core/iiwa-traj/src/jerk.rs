@@ -16,7 +16,7 @@ use iiwa_path::Step;
 use iiwa_solver::{LimitedSegment, SolveError, SweptNode, Window};
 
 use crate::{
-    node::Node,
+    interval::Node,
     path_limits::StepLimits,
     section::{Piece, Section},
     sunrise::ramp_limits,
@@ -54,7 +54,7 @@ pub(crate) struct JerkTiming {
 pub(crate) struct Pieces<'a> {
     pub(crate) range: Range<usize>,
     /// State at the start and at the end: the squared speed along the path (rad^2/s^2) and its
-    /// derivative by the way (rad/s^2); none at rest.
+    /// derivative with respect to the way (rad/s^2); none at rest.
     pub(crate) ends: [Option<[f64; 2]>; 2],
     /// Further limits of each piece of the section, if any.
     pub(crate) limits: &'a [StepLimits],

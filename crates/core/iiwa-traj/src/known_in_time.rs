@@ -67,7 +67,7 @@ pub(crate) fn is_early(
 }
 
 /// Returns an upper bound of the stopping time on a line, for any initial speed and acceleration,
-/// in s. None if acceleration or jerk limits of the TCP or `further` limits apply.
+/// in s. None if TCP acceleration or jerk limits, or `further` limits, apply.
 fn braking_bound_s(path: &JointPath, piece: &Piece, further: &PathLimits) -> Option<f64> {
     let limits = path.limits_of(piece.step);
     let tool = limits.tool();

@@ -6,8 +6,8 @@ use iiwa_program::{ByKind, LimitKind};
 use iiwa_solver::PathRow;
 
 use crate::{
+    interval::Node,
     limit::{Limit, LimitShare, Limited},
-    node::Node,
     sweep::{max, min},
 };
 

@@ -1,4 +1,4 @@
-//! Limits beside those of velocity, acceleration and jerk.
+//! Limits other than velocity, acceleration and jerk limits.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use crate::{limit::Limit, timing::TimingError};
 /// Largest joint rotation between two points or instants at which such limits are checked, in rad.
 pub(crate) const MAX_RAD: f64 = 0.05;
 
-/// Kind of limit beside those of velocity, acceleration and jerk, as rows
+/// Kind of limit other than velocity, acceleration and jerk limits, as rows
 /// `-1 <= a u + b x + c <= 1` with the acceleration u along the path and the squared speed x.
 ///
 /// Sweep, solver, checks and figures access further limits through this trait alone. A

@@ -1,4 +1,4 @@
-//! Further limits of a path, beside those of velocity, acceleration and jerk, and their usage.
+//! Limits of a path other than velocity, acceleration and jerk limits, and their usage.
 
 use std::{ops::Range, sync::Arc};
 
@@ -15,7 +15,7 @@ use crate::{
     torque_limit::TorqueLimit,
 };
 
-/// All limits for planning a path, beside those of velocity, acceleration and jerk.
+/// All limits for planning a path, except velocity, acceleration and jerk limits.
 #[derive(Clone, Debug)]
 pub(crate) struct PathLimits(Vec<Arc<dyn PathLimit>>);
 
@@ -73,15 +73,15 @@ impl PathLimits {
 /// Returns the largest share of a further limit in a section; `limits` are those of its moves, of
 /// which the first is `first_step`.
 ///
-/// The shares are computed at the start of spans and, if acceleration jumps there, also at their
-/// ends.
+/// The shares are computed at the start of spans and, if the acceleration jumps there
+/// (`acceleration_jumps`), also at their ends.
 pub(crate) fn largest_share(
     section: &Section,
     first_step: usize,
     limits: &[StepLimits],
-    jumps: bool,
+    acceleration_jumps: bool,
 ) -> f64 {
-    if jumps {
+    if acceleration_jumps {
         largest_at(&[0.0, 1.0], section, first_step, limits)
     } else {
         largest_at(&[0.0], section, first_step, limits)

@@ -1,7 +1,7 @@
 //! Motion from rest to rest along a straight line under limits of speed, acceleration and jerk: the
 //! profile of at most seven phases, in closed form.
 
-use crate::node::Node;
+use crate::interval::Node;
 
 /// State between two phases of the profile. Lengths are in the unit of the line's parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -10,17 +10,15 @@ use iiwa_kin::Joints;
 use iiwa_path::{JointPath, Step};
 
 use crate::{
-    jerk::JerkTiming,
+    jerk::{self, JerkTiming},
     known_in_time::{is_early, needed_s},
-    late_blend::LateBlend,
     limit_usage::SATURATED_ROW,
+    overlapping_waits::{ProgramClock, Standing, waits_before_blend},
     path_limit::PathLimit,
     path_limits::{PathLimits, StepLimits, largest_share},
-    program_clock::ProgramClock,
-    section::Section,
+    section::{LateBlend, PieceKind, Section},
     section_sweep::{Moves, SAMPLES_BEFORE_JERK, SweepScratch, sweep_moves},
     spline_speed,
-    standing::{Standing, waits_before_blend},
     timing::{Timing, TimingError},
 };
 
@@ -35,7 +33,7 @@ const TOLERANCE: f64 = 1.005;
 const LIKELY: f64 = 1.03;
 
 /// Largest ratio in a section planned with further limits; above it, planning fails.
-const MOST: f64 = 1.01;
+const MAX_RATIO: f64 = 1.01;
 
 /// Margin in s for comparing times of plans of different lengths. It is large: in their common
 /// part, times differ by nanoseconds only.
@@ -45,14 +43,17 @@ const PLANS_DIFFER_S: f64 = 0.02;
 /// because a wait that overlaps the motion before the blend can delay the next motion.
 enum Decided {
     /// The program sends the next motion in time for the blend into it. `needed_s` is the latest
-    /// time at which the motion has to be known, in s; negative infinity if it was not computed.
+    /// time in s at which the program may send the motion. Where this time was not computed,
+    /// `needed_s` is a lower bound: the largest `needed_s` of the earlier blends, or negative
+    /// infinity.
     InTime { needed_s: f64 },
-    /// The program sends the next motion too late: the part of the section that stops before the
+    /// The program sends the next motion too late. Contains the section that stops before the
     /// blend.
     TooLate(Box<Section>),
 }
 
-/// Plans a path section by section: an iterator with memory for one section at a time.
+/// Iterator that plans a path section by section. Each section is planned when the caller asks for
+/// it, and is not kept.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -77,21 +78,24 @@ enum Decided {
 #[derive(Debug)]
 pub struct Planner {
     path: JointPath,
+    timing: Timing,
+    /// Jerk limits of the timing, if it has any.
     jerk: Option<JerkTiming>,
     /// Index of the next step of the path.
     step: usize,
     time_s: f64,
     /// Joint positions at the last stop, in rad.
     rest_rad: Joints,
-    /// Times at which motions after overlapping waits are known.
+    /// Times at which the program sends the motions after overlapping waits.
     clock: ProgramClock,
     /// Memory of the sweep, the backward and forward pass under velocity and acceleration limits.
     scratch: SweepScratch,
-    /// All limits beside those of velocity, acceleration and jerk.
+    /// All limits except velocity, acceleration and jerk limits.
     limits: PathLimits,
     /// Path without the T1 speed limit of TCP and flange, and that limit in m/s; only in T1 under
-    /// Sunrise's timing, which plans without this limit and caps the speed during execution.
-    supervised: Option<(JointPath, f64)>,
+    /// Sunrise's timing. As the controller does, the planner plans without this limit, and then
+    /// slows down the section to this speed where it is faster.
+    unsupervised: Option<(JointPath, f64)>,
     /// Flag that interrupts planning.
     stop: Arc<AtomicBool>,
 }
@@ -109,6 +113,7 @@ impl Planner {
         };
         let mut planner = Self {
             path: path.clone(),
+            timing,
             jerk,
             step: 0,
             time_s: 0.0,
@@ -116,22 +121,22 @@ impl Planner {
             clock: ProgramClock::default(),
             scratch: SweepScratch::new(samples),
             limits: PathLimits::default(),
-            supervised: None,
+            unsupervised: None,
             stop: Arc::default(),
         };
         planner.limit_as_sunrise();
         planner
     }
 
-    /// Applies Sunrise's limits to the path. A LIN or CIRC motion from rest to rest is not faster
-    /// than its length over `least_cruise_s`. In T1, motions are planned without the speed limit,
-    /// which caps the speed during execution.
+    /// Applies Sunrise's limits to the path. The speed of a LIN or CIRC motion from rest to rest is
+    /// at most its length over `least_cruise_s`. In T1, the function also stores the path without
+    /// the T1 speed limit, in `unsupervised`.
     fn limit_as_sunrise(&mut self) {
-        self.supervised = None;
+        self.unsupervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
             let min_cruise_s = self.path.ramp_law().least_cruise_s;
             let slower = |path: JointPath| path.with_least_cruise(min_cruise_s).unwrap_or(path);
-            self.supervised = self.path.unsupervised().map(|(path, speed)| (slower(path), speed));
+            self.unsupervised = self.path.unsupervised().map(|(path, speed)| (slower(path), speed));
             self.path = slower(self.path.clone());
         }
     }
@@ -142,8 +147,14 @@ impl Planner {
         &self.path
     }
 
-    /// Restarts with `path` and reuses the memory of the planner, which is faster than a new
-    /// planner for many programs.
+    /// Returns the timing.
+    #[must_use]
+    pub fn timing(&self) -> Timing {
+        self.timing
+    }
+
+    /// Restarts with `path`, under the same timing and limits. The memory of the planner is reused,
+    /// which for many programs is faster than a new planner for each.
     pub fn restart(&mut self, path: &JointPath) {
         (self.path, self.rest_rad) = (path.clone(), *path.start_rad());
         (self.step, self.time_s) = (0, 0.0);
@@ -151,8 +162,8 @@ impl Planner {
         self.limit_as_sunrise();
     }
 
-    /// Takes a flag: soon after the caller sets it to true, also within a section, planning ends
-    /// with [`TimingError::Interrupted`].
+    /// Sets the flag that interrupts planning: soon after the caller sets it to true, also within a
+    /// section, planning ends with [`TimingError::Interrupted`].
     #[must_use]
     pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = stop;
@@ -160,7 +171,9 @@ impl Planner {
     }
 
     /// Adds a limit that is linear in the acceleration `u` along the path and in the squared path
-    /// speed `x`: `-1 <= a u + b x + c <= 1`, see [`RowLimit`](crate::RowLimit).
+    /// speed `x`: `-1 <= a u + b x + c <= 1`. The fields `acceleration`, `square` and `offset` of a
+    /// [`PathRow`](crate::PathRow) are a, b and c. The acceleration and the speed are those of the
+    /// path parameter by which [`RowLimit::rows`](crate::RowLimit::rows) gets derivatives.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -241,14 +254,16 @@ impl Planner {
         if limits.is_empty() {
             return self.limit_jerk(&[], section);
         }
-        let (first, jumps) = (steps.start, self.jerk.is_none());
+        let (first, acceleration_jumps) = (steps.start, self.jerk.is_none());
         // The solver for jerk limits takes almost all of the time. If the plan without jerk limits
         // exceeds a further limit clearly, the plan with jerk limits would probably be discarded:
         // it is skipped.
-        let is_likely = !jumps && largest_share(section, first, &limits, true) >= LIKELY;
-        let is_kept =
-            |section: &Section| largest_share(section, first, &limits, jumps) <= TOLERANCE;
-        if !is_likely {
+        let is_excess_likely =
+            !acceleration_jumps && largest_share(section, first, &limits, true) >= LIKELY;
+        let is_kept = |section: &Section| {
+            largest_share(section, first, &limits, acceleration_jumps) <= TOLERANCE
+        };
+        if !is_excess_likely {
             self.limit_jerk(&[], section)?;
             if is_kept(section) {
                 return Ok(());
@@ -261,17 +276,17 @@ impl Planner {
             .pieces
             .iter()
             .filter_map(|piece| Some((piece.motion, piece.usage.largest_row()?)));
-        // A NaN ratio counts as the largest, and is refused below.
+        // A NaN ratio counts as the largest, and is rejected below.
         let reached = reached.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
         let Some((motion, (limit, ratio))) = reached else { return Ok(()) };
-        if is_likely && ratio < SATURATED_ROW {
+        if is_excess_likely && ratio < SATURATED_ROW {
             // No further limit became active, contrary to the estimate.
             self.limit_jerk(&[], section)?;
             if is_kept(section) {
                 return Ok(());
             }
         }
-        if ratio.is_nan() || ratio > MOST {
+        if ratio.is_nan() || ratio > MAX_RATIO {
             return Err(TimingError::LimitExceeded { motion, limit, ratio });
         }
         *section = limited;
@@ -291,9 +306,20 @@ impl Planner {
     }
 
     /// Limits the jerk of a swept section (one planned under velocity and acceleration limits), if
-    /// the timing has jerk limits.
+    /// the timing has jerk limits. Under Sunrise's timing, splines follow the spline model instead.
     fn limit_jerk(&self, limits: &[StepLimits], section: &mut Section) -> Result<(), TimingError> {
-        self.jerk.map_or(Ok(()), |timing| spline_speed::limit(section, limits, timing, &self.stop))
+        let Some(timing) = self.jerk else { return Ok(()) };
+        let is_spline = !section.pieces.is_empty()
+            && section.pieces.iter().all(|piece| piece.kind == PieceKind::Spline);
+        // Under Sunrise's timing, splines follow the model of their speed where it has a solution.
+        if timing.sunrise
+            && is_spline
+            && limits.is_empty()
+            && spline_speed::limit(section, timing.options, &self.stop)?
+        {
+            return Ok(());
+        }
+        jerk::limit(section, limits, timing, &self.stop)
     }
 }
 
@@ -314,7 +340,7 @@ impl Iterator for Planner {
 }
 
 impl Planner {
-    /// Plans the moves up to the next stop, and the rests there.
+    /// Plans the moves up to the next stop, and the standstill there.
     fn plan_section(&mut self) -> Result<Section, TimingError> {
         let first = self.step;
         if first == 0 {
@@ -322,25 +348,25 @@ impl Planner {
             self.limits.check(&self.path)?;
         }
         let overlaps = !self.path.overlapping_waits().is_empty();
-        let moves =
+        let moves_end =
             first + self.path.steps()[first..].iter().take_while(|step| step.moves()).count();
-        let (mut section, rest) = if overlaps {
-            self.plan_what_is_known(first..moves)?
+        let (mut section, stop_step) = if overlaps {
+            self.plan_known_moves(first..moves_end)?
         } else {
-            (self.plan_to(first..moves)?, moves)
+            (self.plan_to(first..moves_end)?, moves_end)
         };
-        let steps = &self.path.steps()[rest..];
-        let end = rest + steps.iter().take_while(|step| !step.moves()).count();
+        let steps = &self.path.steps()[stop_step..];
+        let end = stop_step + steps.iter().take_while(|step| !step.moves()).count();
         let still_s = self.still_s();
         if overlaps {
             let mut standing = Standing { still_s, clock: &mut self.clock };
-            if rest < moves {
-                standing.rest_before_blend(&mut section, rest);
+            if stop_step < moves_end {
+                standing.rest_before_blend(&mut section, stop_step);
             } else {
-                standing.rest(&mut section, rest..end);
+                standing.rest(&mut section, stop_step..end);
             }
         } else {
-            for step in rest..end {
+            for step in stop_step..end {
                 section.rest(step, still_s);
             }
         }
@@ -350,7 +376,8 @@ impl Planner {
         Ok(section)
     }
 
-    /// Returns the duration of a motion without displacement, in s.
+    /// Returns the duration of a motion without displacement, in s: `least_cruise_s` under
+    /// Sunrise's timing, otherwise 0.
     fn still_s(&self) -> f64 {
         match self.jerk {
             Some(JerkTiming { sunrise: true, .. }) => self.path.ramp_law().least_cruise_s,
@@ -358,7 +385,7 @@ impl Planner {
         }
     }
 
-    /// Plans the section of these moves, without the rest after them.
+    /// Plans the section of these moves, without the standstill after them.
     fn plan_to(&mut self, moves: Range<usize>) -> Result<Section, TimingError> {
         let mut section = Section {
             path: self.path.clone(),
@@ -371,7 +398,7 @@ impl Planner {
             nodes: Vec::new(),
             late_blend: None,
         };
-        match self.supervised {
+        match self.unsupervised {
             None => self.plan_moves(moves, &mut section)?,
             Some((ref unsupervised, speed_m_s)) => {
                 section.path = unsupervised.clone();
@@ -390,7 +417,7 @@ impl Planner {
     /// Later motions do not change whether a motion is known in time, and planning all of them for
     /// each decision would take time proportional to the square of the number of moves. Therefore
     /// the plan starts short, and its length doubles as long as all motions are known in time.
-    fn plan_what_is_known(&mut self, moves: Range<usize>) -> Result<(Section, usize), TimingError> {
+    fn plan_known_moves(&mut self, moves: Range<usize>) -> Result<(Section, usize), TimingError> {
         /// Minimum number of blends that are planned beyond those known to be in time.
         const AHEAD: usize = 2;
         let delays = |step: &usize| {
@@ -407,12 +434,14 @@ impl Planner {
             self.clock.note(&section);
             while let Some(blend) = blends.get(in_time).copied().filter(|blend| *blend < end) {
                 let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
-                // The later the blend, the later the robot has to slow down.
+                // To stop before this blend, the robot has to brake no earlier than to stop before
+                // an earlier one. A motion that is known before `needed_before_s` is therefore in
+                // time, and no plan with a stop is necessary.
                 let is_in_time = known_s <= needed_before_s - PLANS_DIFFER_S;
                 let decided = if is_in_time {
                     Decided::InTime { needed_s: needed_before_s }
                 } else {
-                    self.stopped_before(blend, known_s, &section)?
+                    self.decide(blend, known_s, &section)?
                 };
                 if let Decided::InTime { needed_s } = decided {
                     needed_before_s = needed_before_s.max(needed_s);
@@ -438,19 +467,19 @@ impl Planner {
 
     /// Decides whether the robot has to stop before the step `blend`, through which `section`
     /// continues, because the next motion is known only at `known_s`.
-    fn stopped_before(
+    fn decide(
         &mut self,
         blend: usize,
         known_s: f64,
         section: &Section,
     ) -> Result<Decided, TimingError> {
-        // In time; the latest time is not computed.
-        let unknown = Decided::InTime { needed_s: f64::NEG_INFINITY };
+        // In these cases the latest time is not computed: negative infinity is its lower bound.
+        let in_time = Decided::InTime { needed_s: f64::NEG_INFINITY };
         let Some(piece) = section.pieces.iter().position(|piece| piece.step == blend) else {
-            return Ok(unknown);
+            return Ok(in_time);
         };
         if is_early(section, piece, known_s, &self.limits) {
-            return Ok(unknown);
+            return Ok(in_time);
         }
         let first = section.pieces[0].step;
         let mut stopped = self.plan_to(first..blend)?;

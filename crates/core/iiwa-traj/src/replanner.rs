@@ -8,10 +8,9 @@ use iiwa_program::{Motion, MotionIndex, Program};
 
 use crate::{
     batch::PlanError,
-    interval::later,
+    interval::{Node, later},
     jerk::{self, JerkTiming, Pieces, Stamps},
     limit_usage::LimitUsage,
-    node::Node,
     path_limits::PathLimits,
     section::{Piece, Section, pause_s},
     section_sweep::{Moves, SAMPLES_BEFORE_JERK, SweepScratch, sweep_moves},
@@ -336,7 +335,7 @@ impl Replanner {
     }
 
     /// Returns the state at the start of the step at `step`: the squared speed along the path and
-    /// its derivative by the way; none at rest.
+    /// its derivative with respect to the way; none at rest.
     fn state(&self, step: usize) -> Option<[f64; 2]> {
         if step == 0 || !self.moves(step - 1) || !self.moves(step) {
             return None;

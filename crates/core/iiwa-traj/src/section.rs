@@ -7,11 +7,9 @@ use iiwa_path::{JointPath, Segment, Step, ToolCoordinate};
 use iiwa_program::{MotionIndex, MotionType};
 
 use crate::{
-    interval::{self, IntervalProgress},
-    late_blend::LateBlend,
+    interval::{self, IntervalProgress, Node},
     limit::{Limit, LimitShare},
     limit_usage::LimitUsage,
-    node::Node,
     state::State,
 };
 
@@ -31,6 +29,17 @@ pub struct Section {
     pub(crate) late_blend: Option<LateBlend>,
 }
 
+/// Blend before which the robot stopped, because the motion after it was not known in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LateBlend {
+    /// Motion whose target the blend cuts off.
+    pub after_motion: MotionIndex,
+    /// Time at which the next motion is known, the end of the waits in between, in s.
+    pub known_s: f64,
+    /// Latest time at which the next motion would have to be known to avoid the stop, in s.
+    pub needed_s: f64,
+}
+
 /// Line, TCP path, blend or rest of a trajectory.
 #[derive(Clone, Debug)]
 pub struct Piece {
@@ -47,7 +56,8 @@ pub struct Piece {
     /// Top speed: the largest share of a joint's velocity limit (the robot's limit, not the
     /// motion's).
     pub peak_velocity_rel: f64,
-    /// Limit that is active for the longest time; none at rest.
+    /// Limit that is active for the longest time or, if none is active, the one with the largest
+    /// ratio of value to limit; `None` at rest.
     pub limited_by: Option<Limit>,
     pub(crate) usage: LimitUsage,
     /// Index of the segment among the path's steps; for a wait before a blend that was not known in
@@ -162,7 +172,7 @@ impl Piece {
 }
 
 impl Section {
-    /// Returns true if a piece is the pause after a motion whose end the program waits for.
+    /// Returns true if a piece is the standstill after a motion whose end the program waits for.
     #[must_use]
     pub fn is_blocking(&self, piece: &Piece) -> bool {
         matches!(self.path.steps()[piece.step], Step::Settle { blocking: true, .. })
@@ -381,8 +391,8 @@ impl Section {
         }
     }
 
-    /// Adds the end of a motion: `still_s`, the duration of a motion without displacement, and a
-    /// pause.
+    /// Adds the end of a motion: `still_s`, the duration of a motion without displacement, and the
+    /// standstill after the motion.
     pub(crate) fn settle(&mut self, step: usize, still_s: f64) {
         let Step::Settle { motion, blocking, .. } = self.path.steps()[step] else { return };
         self.stand(PieceKind::Settle, motion, step, still_s);
@@ -390,7 +400,7 @@ impl Section {
         self.stand(PieceKind::Settle, motion, step, pause_s);
     }
 
-    /// Returns the pause at the end of a motion, in s.
+    /// Returns the duration of the standstill at the end of a motion, in s.
     pub(crate) fn pause_s(&self, blocking: bool) -> f64 {
         pause_s(self.path.robot(), blocking)
     }
@@ -451,7 +461,7 @@ impl Section {
     }
 }
 
-/// Returns the pause at the end of a motion, in s.
+/// Returns the duration of the standstill at the end of a motion, in s.
 pub(crate) fn pause_s(robot: &Robot, blocking: bool) -> f64 {
     if blocking { robot.blocking_pause_s() } else { robot.settle_time_s() }
 }

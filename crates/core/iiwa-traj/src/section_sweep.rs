@@ -13,10 +13,9 @@ use pulp::Simd;
 
 use crate::{
     grid::{Grid, GridNode, tool_derivatives},
-    interval,
+    interval::{self, Node},
     limit_usage::{LimitUsage, TOLERANCE},
     line_limits::LineLimits,
-    node::Node,
     path_limits::StepLimits,
     section::{Piece, Section},
     sweep::{self, Bounds, MAX_GROUPS, Nodes, SweepNode},
@@ -523,11 +522,15 @@ mod tests {
 
     #[test]
     fn the_same_without_vector_instructions() {
-        let text = r#"{ "version": 1, "start": { "joints_deg": [0, 10, 0, -80, 0, 60, 0] }, "motions": [
-            { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30], "blend": { "fraction": 0.4 } },
-            { "type": "ptp", "joints_deg": [-10, 50, 30, -90, -20, 70, 0], "blend": { "fraction": 0.3 } },
-            { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30], "blend": { "fraction": 0.5 } },
-            { "type": "ptp", "joints_deg": [0, 10, 0, -80, 0, 60, 0] }] }"#;
+        let text = r#"{ "version": 1, "start": { "joints_deg": [0, 10, 0, -80, 0, 60, 0] },
+            "motions": [
+                { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30],
+                  "blend": { "fraction": 0.4 } },
+                { "type": "ptp", "joints_deg": [-10, 50, 30, -90, -20, 70, 0],
+                  "blend": { "fraction": 0.3 } },
+                { "type": "ptp", "joints_deg": [40, 30, -20, -60, 10, 50, 30],
+                  "blend": { "fraction": 0.5 } },
+                { "type": "ptp", "joints_deg": [0, 10, 0, -80, 0, 60, 0] }] }"#;
         let program = Program::from_json(text).unwrap();
         let path = JointPath::new(&program, &Robot::lbr_iiwa_7_r800()).unwrap();
         let widest =

@@ -21,9 +21,8 @@ use iiwa_solver::{LimitedSegment, SolveError};
 
 use crate::{
     grid::Grid,
-    jerk::{self, JerkTiming, Stamps},
-    path_limits::StepLimits,
-    section::{Piece, PieceKind, Section},
+    jerk::{self, Stamps},
+    section::{Piece, Section},
     section_sweep::SAMPLES_BEFORE_JERK,
     sunrise::{EndRamp, ramp_limits},
     timing::{JerkOptions, TimingError},
@@ -45,29 +44,21 @@ const ROUNDS: usize = 4;
 /// Factor of refinement of the cells: the model's speed limits have narrow minima.
 const FINER: f64 = 2.0;
 
-/// Limits the jerk of `section` as [`jerk::limit`] does, but plans splines by the model if `timing`
-/// is that of Sunrise and there are no further `limits`.
-///
-/// Splines for which the model has no solution are planned without the model.
+/// Limits the jerk of `section`, a spline or a part of one between two stops, by the model. Returns
+/// false, and leaves the section as it is, if the model has no solution.
 pub(crate) fn limit(
     section: &mut Section,
-    limits: &[StepLimits],
-    timing: JerkTiming,
+    options: JerkOptions,
     stop: &AtomicBool,
-) -> Result<(), TimingError> {
-    let is_spline = |piece: &Piece| piece.kind == PieceKind::Spline;
-    let is_one = !section.pieces.is_empty() && section.pieces.iter().all(is_spline);
-    if timing.sunrise && is_one && limits.is_empty() {
-        match stamps(section, timing.options, stop) {
-            Ok(stamps) => {
-                section.stamp(stamps);
-                return Ok(());
-            }
-            Err(SolveError::Interrupted) => return Err(TimingError::Interrupted),
-            Err(SolveError::NotConverged) => {}
+) -> Result<bool, TimingError> {
+    match stamps(section, options, stop) {
+        Ok(stamps) => {
+            section.stamp(stamps);
+            Ok(true)
         }
+        Err(SolveError::Interrupted) => Err(TimingError::Interrupted),
+        Err(SolveError::NotConverged) => Ok(false),
     }
-    jerk::limit(section, limits, timing, stop)
 }
 
 /// Finds the stamps of a section that is a spline, or a part of one between two stops.

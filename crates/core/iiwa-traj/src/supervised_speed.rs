@@ -8,9 +8,8 @@ use iiwa_path::{Segment, Step};
 use iiwa_program::MotionLimits;
 
 use crate::{
-    interval::progress,
+    interval::{Node, progress},
     limit_usage::LimitUsage,
-    node::Node,
     section::{Piece, Section},
 };
 

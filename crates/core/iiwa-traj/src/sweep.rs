@@ -21,8 +21,8 @@
 //! wastes half of the change of the bounds from node to node and makes the duration too long by a
 //! share of 1/N. With linear u the error falls with 1/N^2.
 //!
-//! At a sign change of q', as in a turn-back, a node hardly constrains x and u although the points
-//! next to it do. Intervals that exceed a limit between their ends are therefore tightened
+//! At a sign change of q', such as at a reversal, a node hardly constrains x and u although the
+//! points next to it do. Intervals that exceed a limit between their ends are therefore tightened
 //! ([`forward`]), and the nodes that this affects are swept again.
 //!
 //! All numbers are in units of the limits: derivatives are divided by the joint's acceleration
@@ -103,7 +103,7 @@ impl<const R: usize> Interval<'_, R> {
             if high - low <= 3.0 * margin || spare < 0.0 {
                 break;
             }
-            // The width is zero where the robot comes to rest, so the chord gives no share: bisect.
+            // The width is zero where the robot stops, so the chord gives no share: bisect.
             let share = if spare > 0.0 { spare / (spare - lack) } else { 0.5 };
             let chord = (high - low) * share;
             let middle = low + (chord - margin).max(2.0 * margin);
@@ -278,8 +278,8 @@ fn lower_x<S: Simd, const R: usize>(
         let interval = |even| Interval { h, even, start, end: next };
         let end = x;
         let brake = end - h * next_u_min;
-        // If the robot speeds up although it has to arrive at `end`, a lower speed at the start may
-        // be feasible where a higher one is not: only the search finds it.
+        // Where the limits at the end force the robot to speed up, a lower speed at the start may
+        // be feasible although a higher one is not: only the search finds it.
         let needs_search = even || brake < 0.5 * end;
         let brakes = [&start.fall, &start.below];
         let brake_max;
@@ -460,8 +460,8 @@ impl<S: Simd> Nodes<'_, S> {
     }
 
     /// Returns the largest share of a further limit at a `place` of interval `i`, at the share `t`
-    /// of its length. Above the tolerated excess, the moving part over the limit minus the offset
-    /// is returned instead: tightening lowers that part, since the offset (gravity, for torques)
+    /// of its length. Above the tolerated excess, it returns moving part / (limit - offset)
+    /// instead: tightening lowers the moving part only, since the offset (gravity, for torques)
     /// does not depend on the speed.
     fn row(&self, i: usize, place: &IntervalPlace, t: f64) -> f64 {
         let count = self.row_count;

@@ -34,12 +34,12 @@ pub enum Timing {
     Jerk(JerkOptions),
     /// The limits of [`Jerk`](Self::Jerk), but motions from rest to rest follow recordings of
     /// Sunrise: PTP motions start and stop by the robot's [`RampLaw`](iiwa_kin::RampLaw), and
-    /// splines follow its [`SplineSpeed`](iiwa_kin::SplineSpeed), a model. Blends and LIN and CIRC
-    /// motions of Sunrise are not known. They keep jerk limits, which are lower next to rest, so
-    /// that their ramps take as long there as those of PTP motions and single SPL.
+    /// splines follow its [`SplineSpeed`](iiwa_kin::SplineSpeed), a model. Sunrise's timing of
+    /// blends and of LIN and CIRC motions is not known. These keep jerk limits, which are lower
+    /// next to rest, so that their ramps take as long there as those of PTP motions and single SPL.
     ///
-    /// Along splines, joint velocities keep their limits, and joint accelerations and jerks exceed
-    /// theirs in bends.
+    /// Along splines, joint velocities keep their limits. Where the path bends, joint accelerations
+    /// and jerks exceed theirs.
     Sunrise(JerkOptions),
 }
 
@@ -50,8 +50,8 @@ impl Default for Timing {
 }
 
 impl Timing {
-    /// Creates timing with velocity, acceleration and jerk limits everywhere, for set-points
-    /// that are commanded point by point.
+    /// Returns [`Jerk`](Self::Jerk) with default options: velocity, acceleration and jerk limits
+    /// apply to all motions, as set-points that are commanded one by one require.
     #[must_use]
     pub fn jerk_limited() -> Self {
         Self::Jerk(JerkOptions::default())
@@ -126,18 +126,18 @@ pub enum TimingError {
     /// A joint cannot hold the arm and its payload within the torque limit: no motion is slow
     /// enough.
     #[error(
-        "motion {motion}: {joint} cannot hold the arm with its load there: it takes {:.1} Nm to \
-         stand still{}, of the {:.1} Nm that it may exert{}; raise the limit of torques, or choose \
-         a lighter load or poses nearer to the base",
+        "motion {motion}: {joint} cannot hold the arm with its load there: standstill requires \
+         {:.1} Nm{}, and the limit is {:.1} Nm{}; raise the torque limit, or choose a lighter \
+         load or poses nearer to the base",
         .holding_nm.abs(),
         if *.friction_nm > 0.0 {
-            format!(", and {friction_nm:.1} Nm of friction")
+            format!(" plus {friction_nm:.1} Nm of friction")
         } else {
             String::new()
         },
         .limit_nm,
-        if .holding_nm.abs() + .friction_nm < *.limit_nm { ", which leaves less than a hundredth \
-                                                            to move it" } else { "" }
+        if .holding_nm.abs() + .friction_nm < *.limit_nm { ", which leaves less than 1 % \
+                                                            for motion" } else { "" }
     )]
     CannotHold {
         /// Motion on whose path the pose is.
@@ -153,7 +153,8 @@ pub enum TimingError {
     },
     /// Too many rows of [further limits](crate::PathLimit).
     #[error(
-        "{rows} rows of limits beside velocity, acceleration and jerk: at most {max} are possible"
+        "the further limits (beyond velocity, acceleration and jerk) have {rows} rows; at most \
+         {max} are supported"
     )]
     TooManyRows {
         /// Rows of the limits of a step.
@@ -173,8 +174,8 @@ pub enum TimingError {
     },
     /// The jerk-limited solver did not converge.
     #[error(
-        "motion {motion}: no jerk-limited stamps were found for what starts with it; please report \
-         the program"
+        "motion {motion}: no jerk-limited stamps were found for the section that starts with it; \
+         please report the program"
     )]
     NotConverged {
         /// First motion of a section without a stop.
@@ -185,7 +186,7 @@ pub enum TimingError {
     Interrupted,
     /// The sweep found no stamps: the robot would stop on the way, or intervals had to be tightened
     /// too many times.
-    #[error("motion {motion}: no way was found to move through it; please report the program")]
+    #[error("motion {motion}: time parameterisation failed; please report the program")]
     Stuck {
         /// Motion, or the first one of a section without a stop.
         motion: MotionIndex,

@@ -141,7 +141,8 @@ mod tests {
 
     fn path(percent: &str, motions: &str) -> JointPath {
         let text = format!(
-            r#"{{ "version": 1, {percent} "start": {{ "joints_deg": [0, 90, 0, 0, 0, 0, 0] }}, "motions": [{motions}] }}"#
+            r#"{{ "version": 1, {percent} "start": {{ "joints_deg": [0, 90, 0, 0, 0, 0, 0] }},
+               "motions": [{motions}] }}"#
         );
         JointPath::new(&Program::from_json(&text).unwrap(), &Robot::default()).unwrap()
     }

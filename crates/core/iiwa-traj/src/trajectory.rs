@@ -6,19 +6,19 @@ use iiwa_program::MotionIndex;
 
 use crate::{
     figures::{BlendFigures, MotionFigures, Totals},
-    late_blend::LateBlend,
     planner::Planner,
     playback::TimedMotion,
-    section::Section,
+    section::{LateBlend, Section},
     state::State,
     timing::{Timing, TimingError},
 };
 
 /// Trajectory of the robot from the start of a program to its end.
 ///
-/// The limits are checked before a trajectory is returned. Between the points at which the solver
-/// enforces them, velocity limits are exceeded by at most 0.1 %, acceleration limits by 0.2 % and
-/// jerk limits by 2 %.
+/// The limits of each section are checked before a trajectory is returned. Between the points at
+/// which the solver enforces them, velocity limits are exceeded by at most 0.1 %, acceleration
+/// limits by 0.2 % and jerk limits by 2 %. Splines under [`Timing::Sunrise`] exceed acceleration
+/// and jerk limits by more.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     path: JointPath,
@@ -27,7 +27,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Plans the fastest trajectory along `path` within the limits of its motions.
+    /// Plans the trajectory along `path`: the fastest one within the limits of its motions, or one
+    /// as recorded under Sunrise, depending on `timing`.
     ///
     /// # Errors
     ///
@@ -38,7 +39,7 @@ impl Trajectory {
         Self::by(&mut Planner::new(path, timing))
     }
 
-    /// Collects all sections of a fresh planner, which can be interrupted.
+    /// Collects all sections of a new or restarted planner, which can be interrupted.
     ///
     /// ```
     /// use std::sync::{Arc, atomic::AtomicBool};

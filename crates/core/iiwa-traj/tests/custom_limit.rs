@@ -211,12 +211,13 @@ fn a_limit_that_binds_nothing_changes_nothing() {
     }
 }
 
-/// Limits beside torques, whose seven rows leave room for one of eight: one row more, and nine.
+/// Further limits in addition to the seven rows of torque limits: one row, which completes a group
+/// of eight, and nine rows.
 #[test]
 fn custom_limits_are_kept_beside_torques() {
     let mut program = program();
     let load = Load { mass_kg: 7.0, center_mm: [0.0, 0.0, 80.0], ..Load::default() };
-    program.motions.insert(0, Motion::Load(Some(load)));
+    program.motions.insert(0, Motion::Load(Some(load.into())));
     program.workcell.torque_limit_rel = Some(0.8);
     let path = JointPath::new(&program, &Robot::default()).unwrap();
     let limits_nm = path.torque_limits_nm().unwrap();

@@ -1,4 +1,4 @@
-//! Pauses between blocking motions, and the resulting start times, as recorded on a robot.
+//! Standstill between blocking motions, and the resulting start times, as recorded on a robot.
 //!
 //! Source: commanded positions of an LBR iiwa 7 R800 under KUKA Sunrise in logs of its
 //! `DataRecorder`, April 2021 (20 Hz, override 30 %), January 2021 (50 Hz, T1, override 50 %) and
@@ -19,7 +19,7 @@ use iiwa_traj::{Section, Timing, Trajectory};
 /// Period of the clock on which the robot starts motions, in s.
 const TICK_S: f64 = 0.012;
 
-/// Pauses in ms: all pauses of the three logs except those below, in order of length.
+/// Standstills in ms: all of the three logs except those below, in order of length.
 const PAUSES_MS: [f64; 75] = [
     // April
     87.5, 88.8, 89.3, 89.3, 89.9, 90.5, 91.9, 91.9, 92.3, 92.4, 92.6, 92.9, 93.0, 93.1, 93.9, 94.1,
@@ -31,14 +31,14 @@ const PAUSES_MS: [f64; 75] = [
     91.9,
 ];
 
-/// Pauses in ms before splines of five and six segments, in April: the robot first plans these
+/// Standstills in ms before splines of five and six segments, in April: the robot first plans these
 /// splines.
 const BEFORE_LONG_SPLINES_MS: [f64; 17] = [
     109.6, 109.6, 110.4, 111.0, 113.0, 113.0, 113.3, 114.0, 123.3, 124.0, 127.0, 130.0, 130.6,
     130.9, 131.0, 136.0, 138.0,
 ];
 
-/// Pairs of pauses in ms, before and after a PTP motion to the current pose, which takes 0.2 s
+/// Pairs of standstills in ms, before and after a PTP motion to the current pose, which takes 0.2 s
 /// divided by the override.
 const PAIRS_MS: [f64; 43] = [
     // April
@@ -210,9 +210,9 @@ struct Log<'a> {
     near: [[usize; 2]; 2],
 }
 
-/// Pauses, override and motions without displacement are within a tick. The other starts are off
-/// because of the planned motion duration (docs/evidence.md): by 17.5 ms to the home pose from the
-/// third pose of April, and by -14 ms from the home pose in T1.
+/// Standstills, override and motions without displacement are within a tick. The other starts are
+/// off because of the planned motion duration (docs/evidence.md): by 17.5 ms to the home pose from
+/// the third pose of April, and by -14 ms from the home pose in T1.
 #[test]
 fn starts_are_near_recorded_ones() {
     let april = Log {

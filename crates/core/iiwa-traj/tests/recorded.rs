@@ -16,7 +16,8 @@ pub(crate) fn frame(robot: &Robot, pose_deg: &Joints) -> String {
     let [a, b, c] = pose.abc_rad().map(f64::to_degrees);
     let e1 = pose_deg[2];
     format!(
-        r#"{{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z}, "a_deg": {a}, "b_deg": {b}, "c_deg": {c}, "e1_deg": {e1} }}"#
+        r#"{{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z},
+            "a_deg": {a}, "b_deg": {b}, "c_deg": {c}, "e1_deg": {e1} }}"#
     )
 }
 

@@ -53,13 +53,14 @@ fn lines_of_the_tcp_start_as_single_spl_do() {
     for ([from_deg, to_deg], recorded_s) in lines {
         let frame = frame(&robot, to_deg);
         let text = format!(
-            r#"{{ "version": 1, "start": {{ "joints_deg": {from_deg:?} }}, "motions": [{{ "type": "lin", "frame": {frame} }}] }}"#
+            r#"{{ "version": 1, "start": {{ "joints_deg": {from_deg:?} }},
+                "motions": [{{ "type": "lin", "frame": {frame} }}] }}"#
         );
         let program = Program::from_json(&text).unwrap();
         let [sunrise, jerk] = [Timing::default(), Timing::jerk_limited()].map(|timing| {
             100.0 * (plan(&program, &robot, timing).motion_time_s() / recorded_s - 1.0)
         });
-        println!("{recorded_s} s: {sunrise:+.2} %, by limits of jerk {jerk:+.2} %");
+        println!("{recorded_s} s: {sunrise:+.2} %, by jerk limits {jerk:+.2} %");
         assert!(sunrise.abs() < 4.0, "{recorded_s} s: {sunrise:+.2} %");
         assert!(jerk < -6.0);
     }
@@ -72,8 +73,8 @@ fn short_lines_of_the_tcp_are_as_slow_in_t1() {
     let robot = Robot::default();
     let seconds = |mode: &str| {
         let text = format!(
-            r#"{{ "version": 1{mode}, "start": {{ "joints_deg": [0, 30, 0, -80, 0, 60, 0] }}, "motions": [
-                {{ "type": "lin_rel", "offset": {{ "z_mm": 30 }} }}] }}"#
+            r#"{{ "version": 1{mode}, "start": {{ "joints_deg": [0, 30, 0, -80, 0, 60, 0] }},
+                "motions": [{{ "type": "lin_rel", "offset": {{ "z_mm": 30 }} }}] }}"#
         );
         let program = Program::from_json(&text).unwrap();
         plan(&program, &robot, Timing::default()).motion_time_s()

@@ -1,4 +1,5 @@
-//! Controller override: it stretches the time of motions, but not of pauses and waits.
+//! Controller override: it stretches the time of motions, but not the standstill after stops or
+//! waits.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
@@ -22,8 +23,10 @@ const PROGRAM: &str = r#"{
         { "type": "lin_rel", "offset": { "z_mm": -80 }, "cart_velocity_mm_s": 100 },
         { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
         { "type": "spline", "segments": [
-            { "type": "spl", "frame": { "x_mm": 520, "y_mm": 80, "z_mm": 560, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0 } },
-            { "type": "spl", "frame": { "x_mm": 500, "y_mm": 160, "z_mm": 500, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0 } }
+            { "type": "spl", "frame": { "x_mm": 520, "y_mm": 80, "z_mm": 560,
+                "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0 } },
+            { "type": "spl", "frame": { "x_mm": 500, "y_mm": 160, "z_mm": 500,
+                "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0 } }
         ] }
     ]
 }"#;

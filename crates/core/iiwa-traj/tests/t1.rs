@@ -63,8 +63,8 @@ fn tcp_and_flange_go_slowly() {
 fn ramps_are_not_changed() {
     let plan = |mode: &str| {
         let text = format!(
-            r#"{{ "version": 1, {mode} "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }}, "motions": [
-                {{ "type": "ptp", "joints_deg": [60, 50, 10, -90, 10, 40, 0] }} ] }}"#
+            r#"{{ "version": 1, {mode} "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }},
+                "motions": [{{ "type": "ptp", "joints_deg": [60, 50, 10, -90, 10, 40, 0] }}] }}"#
         );
         let robot = Robot::lbr_iiwa_7_r800();
         let path = JointPath::new(&Program::from_json(&text).unwrap(), &robot).unwrap();

@@ -16,7 +16,9 @@ use iiwa_log::{
 const TICK: Duration = Duration::from_millis(4);
 const TICKS: u32 = 2500;
 
-const URDF: &str = r#"<robot name="iiwa"><link name="iiwa_link_0"><visual><geometry><cylinder radius="0.1" length="0.3"/></geometry></visual></link></robot>"#;
+const URDF: &str = r#"<robot name="iiwa"><link name="iiwa_link_0">
+    <visual><geometry><cylinder radius="0.1" length="0.3"/></geometry></visual>
+</link></robot>"#;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1);
@@ -53,7 +55,8 @@ fn figures() -> serde_json::Value {
         "robot": "lbr_iiwa_7_r800",
         "samples": 100,
         "motions": [
-            { "index": 1, "type": "ptp", "start_s": 0.0, "limited_by": { "joint": 2, "kind": "velocity" } }
+            { "index": 1, "type": "ptp", "start_s": 0.0,
+              "limited_by": { "joint": 2, "kind": "velocity" } }
         ],
         "output": null
     })
@@ -95,6 +98,8 @@ fn write<W: Write + Seek>(stream: W) -> Result<W, WriteError> {
                 kind: "line".into(),
                 limiting_joint: Some(2),
                 limiting_kind: "velocity".into(),
+                name: None,
+                group: None,
             };
             writer.motion(t, &motion)?;
         }

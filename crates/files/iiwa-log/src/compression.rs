@@ -39,7 +39,7 @@ impl Compressor {
 /// length is unpacked, whatever the data would expand to.
 pub(crate) fn decompress(
     chunk: &ChunkHeader,
-    mut data: &[u8],
+    data: &[u8],
     limit_bytes: usize,
     records: &mut Vec<u8>,
 ) -> Result<(), McapError> {
@@ -54,15 +54,7 @@ pub(crate) fn decompress(
         "zstd" => add_zstd,
         other => return Err(McapError::UnsupportedCompression(other.to_owned())),
     };
-    while !data.is_empty() && records.len() <= length {
-        if let Some(rest) = after_skippable_frame(data) {
-            data = rest;
-            continue;
-        }
-        // One byte more, to notice longer data.
-        let room = length - records.len() + 1;
-        add_frame(&mut data, room as u64, records).map_err(damaged)?;
-    }
+    add_frames(data, length, records, add_frame).map_err(damaged)?;
     if records.len() != length {
         return Err(damaged(format!("unpacked to another length than {length} bytes")));
     }
@@ -78,6 +70,41 @@ pub(crate) fn decompress(
             }
         }
     }
+}
+
+/// Unpacks LZ4 frames, up to one byte more than `length`.
+#[cfg(feature = "parquet")]
+pub(crate) fn lz4_frames(data: &[u8], length: usize) -> io::Result<Vec<u8>> {
+    let mut unpacked = Vec::with_capacity(length + 1);
+    add_frames(data, length, &mut unpacked, add_lz4)?;
+    Ok(unpacked)
+}
+
+/// Unpacks zstd frames, up to one byte more than `length`.
+#[cfg(feature = "parquet")]
+pub(crate) fn zstd_frames(data: &[u8], length: usize) -> io::Result<Vec<u8>> {
+    let mut unpacked = Vec::with_capacity(length + 1);
+    add_frames(data, length, &mut unpacked, add_zstd)?;
+    Ok(unpacked)
+}
+
+/// Appends the content of one frame after the other; at most one byte more than `length`.
+fn add_frames(
+    mut data: &[u8],
+    length: usize,
+    records: &mut Vec<u8>,
+    add_frame: fn(&mut &[u8], u64, &mut Vec<u8>) -> io::Result<()>,
+) -> io::Result<()> {
+    while !data.is_empty() && records.len() <= length {
+        if let Some(rest) = after_skippable_frame(data) {
+            data = rest;
+            continue;
+        }
+        // One byte more, to notice longer data.
+        let room = length - records.len() + 1;
+        add_frame(&mut data, room as u64, records)?;
+    }
+    Ok(())
 }
 
 fn damaged(reason: impl std::fmt::Display) -> McapError {

@@ -272,6 +272,8 @@ impl Encoder {
             kind: Cow::Borrowed(&motion.kind),
             limiting_joint: motion.limiting_joint.map_or(0, u32::from),
             limiting_kind: Cow::Borrowed(&motion.limiting_kind),
+            name: Cow::Borrowed(motion.name.as_deref().unwrap_or_default()),
+            group: Cow::Borrowed(motion.group.as_deref().unwrap_or_default()),
         };
         self.encode(topic, &message)
     }

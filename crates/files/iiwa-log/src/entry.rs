@@ -86,6 +86,10 @@ pub struct MotionEntry<'a> {
     /// Active limit: `velocity`, `acceleration` or `jerk`, with the prefix `cart_` or
     /// `orientation_` for TCP limits; `torque`; the name of another limit; empty at standstill.
     pub limiting_kind: Cow<'a, str>,
+    /// Name of the motion; `None` without one, and in files of earlier versions.
+    pub name: Option<Cow<'a, str>>,
+    /// Group of the motion; `None` without one, and in files of earlier versions.
+    pub group: Option<Cow<'a, str>>,
 }
 
 /// Start of a path piece.

@@ -4,12 +4,12 @@ mod check;
 mod columns;
 mod error;
 mod format;
-mod lines;
 mod loss;
 mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod recording;
+mod row;
 mod samples;
 mod shown;
 mod table;
@@ -20,6 +20,7 @@ use std::io::Write;
 use iiwa_kin::Robot;
 use serde::{Deserialize, Serialize};
 
+pub use columns::joint_column;
 pub use error::JointLogError;
 pub use loss::{FilePlace, Loss};
 pub use options::{AngleUnit, LogOptions, Positions};
@@ -38,14 +39,14 @@ use crate::recorded_robot::recorded_robot;
 ///   `/robot_description`. The program is the attachment `program.json`.
 /// - A table: a line of column names, then a line per sample, with commas, semicolons, tabs or
 ///   spaces between fields. Names may be quoted; case is ignored. The decimal separator is a point.
-///   Lines that begin with `#` are comments; the header may be the last comment before the data.
-///
+///   Lines that begin with `#` or `%` are comments; the header may be the last comment before the
+///   data.
 /// - An Apache Parquet file with such columns, with the feature `parquet`.
 ///
 /// | column | accepted names |
 /// |---|---|
 /// | time, s | `t_s`, `time_s`, `time` or `t`; or both of `ZeitInSec` and `ZeitInNanoSec` |
-/// | joint 1, rad | `joint_1`, `iiwa_joint_1`, `q1` or `A1`, each with the suffix `_rad`, or without a suffix (a [`Loss`] reports the assumption) |
+/// | joint 1, rad | `joint_1`, `iiwa_joint_1`, `q1`, `q01` or `A1`, each with the suffix `_rad`, or without a suffix (a [`Loss`] reports the assumption) |
 /// | joint 1, degrees | the same names with the suffix `_deg` |
 /// | joint 1 of a KUKA `DataRecorder` | `axisQMsr_ROBOT[0]`, or else `axisQCmd_ROBOT[0]` or `axisQCmdT1m_ROBOT[0]` |
 /// | torque of joint 1, Nm | `torque_1_nm`, `effort_1`, with or without `joint_` or `iiwa_joint_` before the number |
@@ -54,8 +55,8 @@ use crate::recorded_robot::recorded_robot;
 /// Torques are read if all seven columns exist. Torques in tables are those that the joints exert,
 /// except in a `DataRecorder` log. Measured positions (`axisQMsr_`) have priority over commanded
 /// ones, and these over the others; [`source`](Self::source) reports the choice. A `DataRecorder`
-/// names the robot in its columns but no unit of its positions, and its header may begin with `%`.
-/// All other columns are ignored. [`LogOptions`] select commanded positions, and a unit.
+/// names the robot in its columns but no unit of its positions. All other columns are ignored.
+/// [`LogOptions`] select commanded positions, and a unit.
 ///
 /// # Errors and losses
 ///

@@ -15,8 +15,8 @@
 //! of KUKA's `DataRecorder`. It rejects implausible data, and lists gaps, repeated samples and
 //! assumed units as [`Loss`]. Between writes, the file of a [`Recorder`] is complete and indexed: a
 //! killed process loses at most the last period, by default 1 s, and the sample after it. An
-//! [`Arm`] computes what messages contain beside joint positions: link frames, flange pose and
-//! URDF; [`Topic`] lists the topics and their types.
+//! [`Arm`] computes the other contents of messages from joint positions: link frames, flange pose
+//! and URDF; [`Topic`] lists the topics and their types.
 //!
 //! Lengths are in m, angles in rad, times in s. The same calls give the same bytes.
 //!
@@ -56,7 +56,6 @@ mod entry;
 mod error;
 mod joint_log;
 mod plan;
-mod plan_metadata;
 mod plan_record;
 mod plan_size;
 mod plan_table;
@@ -82,7 +81,7 @@ pub use entry::{Attachment, Entry, JointSample, MotionEntry, MotionSample, PoseS
 pub use error::{ReadError, WriteError};
 pub use joint_log::{
     AngleUnit, CycleClock, FilePlace, JointLog, JointLogError, LogOptions, Loss, PositionSource,
-    Positions,
+    Positions, joint_column,
 };
 pub use plan::{PlanConfig, PlanWriter, write_plan};
 pub use plan_record::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};

@@ -1,17 +1,17 @@
 //! Writing a planned trajectory, section by section.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::time::Duration;
 
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_plan::{Plan, PlanFigures};
 use iiwa_traj::{Section, State};
+use serde_json::Value;
 
 use crate::arm::Arm;
-use crate::{
-    Config, MotionEntry, TrajectoryMessage, TrajectoryPoint, WriteError, Writer, plan_metadata,
-};
+use crate::{Config, MotionEntry, TrajectoryMessage, TrajectoryPoint, WriteError, Writer};
 
 /// Options of a plan file.
 #[derive(Clone, Debug)]
@@ -132,6 +132,7 @@ impl<W: Write> PlanWriter<W> {
             if let Some(piece) =
                 pieces.next_if(|piece| piece.start_s <= t_s || t_s >= section.end_s())
             {
+                let label = section.path().sources().label(piece.motion);
                 let motion = MotionEntry {
                     index: u32::try_from(piece.motion.number()).unwrap_or(u32::MAX),
                     kind: Cow::Borrowed(piece.kind.name()),
@@ -139,6 +140,8 @@ impl<W: Write> PlanWriter<W> {
                         .limited_by
                         .and_then(|l| u8::try_from(l.joint()?.number()).ok()),
                     limiting_kind: Cow::Borrowed(piece.limited_by.map_or("", |l| l.name())),
+                    name: label.and_then(|label| label.name.as_deref()).map(Cow::Borrowed),
+                    group: label.and_then(|label| label.group.as_deref()).map(Cow::Borrowed),
                 };
                 self.writer.motion(duration(piece.start_s), &motion)?;
             } else if t_s < section.end_s() {
@@ -174,7 +177,7 @@ impl<W: Write> PlanWriter<W> {
         }
         self.writer.joint_trajectory(self.part_start, self.part)?;
         let program = program.map(|text| ("program.json", "application/json", text.as_bytes()));
-        self.arm.finish(self.writer, &plan_metadata::of_figures(figures), program.as_slice())
+        self.arm.finish(self.writer, &metadata(figures), program.as_slice())
     }
 
     /// Writes one instant on `/joint_states`, `/tf` and `/tcp_pose`; with a tool, on `/flange_pose`
@@ -217,6 +220,19 @@ impl<W: Write> PlanWriter<W> {
 /// Converts a time in s to the nearest nanosecond.
 fn duration(t_s: f64) -> Duration {
     Duration::try_from_secs_f64(t_s).unwrap_or_default()
+}
+
+/// Converts the figures to entries of a metadata record, one per key: texts unchanged, all other
+/// values as JSON. [`PlanRecord`](crate::PlanRecord) reads them back.
+fn metadata(figures: &PlanFigures) -> BTreeMap<String, String> {
+    let Ok(Value::Object(object)) = serde_json::to_value(figures) else {
+        return BTreeMap::new();
+    };
+    let text = |value| match value {
+        Value::String(text) => text,
+        other => other.to_string(),
+    };
+    object.into_iter().map(|(key, value)| (key, text(value))).collect()
 }
 
 /// Writes a plan with the text of its program, and returns the stream.

@@ -9,7 +9,6 @@ use iiwa_traj::PieceKind;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-use crate::plan_metadata::to_json;
 use crate::recorded_robot::{PROFILE, RecordedRobotError, recorded_robot};
 use crate::{Entry, ReadError, Reader, Topic};
 
@@ -209,7 +208,12 @@ impl PlanRecord {
     /// plan.
     #[must_use]
     pub fn to_json(&self) -> Value {
-        to_json(&self.metadata)
+        // An entry that is valid JSON is parsed, any other entry is a text.
+        let value = |text: &String| {
+            serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.clone()))
+        };
+        let entries = self.metadata.iter();
+        Value::Object(entries.map(|(key, text)| (key.clone(), value(text))).collect())
     }
 
     /// Time parameterisation of the plan: `acceleration` or `jerk`.

@@ -20,7 +20,7 @@ use row::{PlanRow, names};
 /// | `joint_1_rad_s` ... | velocities |
 /// | `joint_1_rad_s2` ... | accelerations |
 /// | `tcp_x_m`, `tcp_y_m`, `tcp_z_m` | the TCP of the motion's tool, or the flange, in the base frame of the robot |
-/// | `tcp_a_rad`, `tcp_b_rad`, `tcp_c_rad` | orientation of that frame: about z, then y, then x, as on the robot |
+/// | `tcp_a_rad`, `tcp_b_rad`, `tcp_c_rad` | orientation of the TCP or flange in the base frame: angles about z, then y, then x, as on the robot |
 /// | `torque_1_nm` ... `torque_7_nm` | torques that the joints exert, on the output side of the gears |
 ///
 /// [`JointLog::read`](crate::JointLog::read) reads times and positions back.
@@ -28,6 +28,8 @@ use row::{PlanRow, names};
 pub struct PlanTable<W: Write> {
     sheet: Sheet<W>,
     rate_hz: f64,
+    /// `true` if the numbers of a CSV table have all digits.
+    is_exact: bool,
     /// Number of rows so far.
     ticks: u64,
     /// End of the last section.
@@ -42,7 +44,8 @@ enum Sheet<W: Write> {
 }
 
 impl<W: Write> PlanTable<W> {
-    /// Begins a table with commas between fields, at a rate in rows per second.
+    /// Begins a table with commas between fields, at a rate in rows per second. Numbers are rounded
+    /// to 1e-9 of their units (s, rad, m, Nm), unless [`exact`](Self::exact) is called.
     ///
     /// # Errors
     ///
@@ -54,8 +57,16 @@ impl<W: Write> PlanTable<W> {
         Ok(Self::new(Sheet::Csv(stream), rate_hz))
     }
 
+    /// Writes all digits of the numbers of a CSV table, so that they parse back exactly. Numbers of
+    /// a Parquet file are always exact.
+    #[must_use]
+    pub fn exact(mut self) -> Self {
+        self.is_exact = true;
+        self
+    }
+
     fn new(sheet: Sheet<W>, rate_hz: f64) -> Self {
-        Self { sheet, rate_hz, ticks: 0, end: None }
+        Self { sheet, rate_hz, is_exact: false, ticks: 0, end: None }
     }
 }
 
@@ -91,7 +102,7 @@ impl<W: Write + Send> PlanTable<W> {
             if t_s >= section.end_s() {
                 break;
             }
-            self.sheet.push(&PlanRow::at(section, t_s))?;
+            self.sheet.push(&PlanRow::at(section, t_s), self.is_exact)?;
             self.ticks += 1;
         }
         self.end = Some(PlanRow::at(section, section.end_s()));
@@ -108,7 +119,7 @@ impl<W: Write + Send> PlanTable<W> {
             // The last row may already be the end, up to rounding.
             let last = self.ticks.checked_sub(1).map(|tick| tick as f64 / self.rate_hz);
             if last.is_none_or(|last_s| end.t_s - last_s > 1e-9) {
-                self.sheet.push(&end)?;
+                self.sheet.push(&end, self.is_exact)?;
             }
         }
         match self.sheet {
@@ -123,9 +134,10 @@ impl<W: Write + Send> PlanTable<W> {
 }
 
 impl<W: Write + Send> Sheet<W> {
-    fn push(&mut self, row: &PlanRow) -> io::Result<()> {
+    fn push(&mut self, row: &PlanRow, is_exact: bool) -> io::Result<()> {
         match self {
-            Self::Csv(stream) => line(stream, row),
+            Self::Csv(stream) if is_exact => line(stream, row, |value| value),
+            Self::Csv(stream) => line(stream, row, rounded),
             #[cfg(feature = "parquet")]
             Self::Parquet(sheet) => sheet.push(row),
         }
@@ -133,8 +145,13 @@ impl<W: Write + Send> Sheet<W> {
 }
 
 /// Writes a line of a CSV file. Numbers are the shortest texts that parse back exactly.
-fn line(stream: &mut impl Write, row: &PlanRow) -> io::Result<()> {
-    write!(stream, "{:?},{}", row.t_s, row.motion)?;
-    row.values.iter().try_for_each(|value| write!(stream, ",{value:?}"))?;
+fn line(stream: &mut impl Write, row: &PlanRow, number: impl Fn(f64) -> f64) -> io::Result<()> {
+    write!(stream, "{:?},{}", number(row.t_s), row.motion)?;
+    row.values.iter().try_for_each(|value| write!(stream, ",{:?}", number(*value)))?;
     writeln!(stream)
+}
+
+/// Rounds to nine decimals; zero is positive.
+fn rounded(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9 + 0.0
 }

@@ -487,7 +487,8 @@ impl<'a> EncodedMessage<'a> {
     }
 
     fn motion(&self) -> Result<MotionSample, ReadError> {
-        let message: MotionMessage<'_> = self.decode()?;
+        let message = MotionMessage::decode(self.bytes).map_err(|what| self.error(what))?;
+        let stated = |text: Cow<'_, str>| (!text.is_empty()).then(|| text.into_owned().into());
         let limiting_joint = match message.limiting_joint {
             0 => None,
             1..=7 => u8::try_from(message.limiting_joint).ok(),
@@ -500,6 +501,8 @@ impl<'a> EncodedMessage<'a> {
                 kind: Cow::Owned(message.kind.into_owned()),
                 limiting_joint,
                 limiting_kind: Cow::Owned(message.limiting_kind.into_owned()),
+                name: stated(message.name),
+                group: stated(message.group),
             },
         })
     }

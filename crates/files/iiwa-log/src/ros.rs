@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::de::{DeserializeSeed, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::Diagnostic;
+use crate::{Diagnostic, cdr};
 
 /// `builtin_interfaces/msg/Time`, and `Duration` with the same fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -103,6 +103,22 @@ pub(crate) struct MotionMessage<'a> {
     pub(crate) kind: Cow<'a, str>,
     pub(crate) limiting_joint: u32,
     pub(crate) limiting_kind: Cow<'a, str>,
+    /// Empty for a motion without a name.
+    pub(crate) name: Cow<'a, str>,
+    /// Empty for a motion without a group.
+    pub(crate) group: Cow<'a, str>,
+}
+
+impl<'a> MotionMessage<'a> {
+    /// Decodes a message, also one without name and group, as in files of earlier versions. The
+    /// error is as for [`cdr::decode`].
+    pub(crate) fn decode(bytes: &'a [u8]) -> Result<Self, String> {
+        let with_name = |(header, index, kind, limiting_joint, limiting_kind)| {
+            let (name, group) = (Cow::Borrowed(""), Cow::Borrowed(""));
+            Self { header, index, kind, limiting_joint, limiting_kind, name, group }
+        };
+        cdr::decode(bytes).or_else(|error| cdr::decode(bytes).map(with_name).map_err(|_| error))
+    }
 }
 
 /// `float64[]` with one value per joint. Keeps the length that was found.
@@ -265,6 +281,30 @@ mod tests {
     use iiwa_kin::RosNames;
 
     use super::*;
+
+    #[test]
+    fn motions_of_earlier_versions_have_no_name() {
+        let header = || Header { stamp: Time { sec: 1, nanosec: 2 }, frame_id: "".into() };
+        let message = |name: &'static str| MotionMessage {
+            header: header(),
+            index: 3,
+            kind: "line".into(),
+            limiting_joint: 4,
+            limiting_kind: "jerk".into(),
+            name: name.into(),
+            group: name.into(),
+        };
+        let mut bytes = Vec::new();
+        let earlier = (header(), 3_u32, "line", 4_u32, "jerk");
+        assert!(cdr::encode(&mut bytes, &earlier).is_ok());
+        assert_eq!(MotionMessage::decode(&bytes), Ok(message("")));
+        for name in ["", "a", "swing"] {
+            assert!(cdr::encode(&mut bytes, &message(name)).is_ok());
+            assert_eq!(MotionMessage::decode(&bytes), Ok(message(name)));
+        }
+        bytes.truncate(20);
+        assert!(MotionMessage::decode(&bytes).is_err());
+    }
 
     #[test]
     fn the_usual_names_are_those_of_the_urdf() {

@@ -118,7 +118,7 @@ impl Topic {
             ),
             Self::Motion => (
                 "std_msgs/Header header\nuint32 index\nstring kind\n\
-                 uint32 limiting_joint\nstring limiting_kind\n",
+                 uint32 limiting_joint\nstring limiting_kind\nstring name\nstring group\n",
                 &[&HEADER, &TIME],
             ),
             Self::Diagnostics => (

@@ -28,8 +28,8 @@ pub struct Config {
     /// Name of the writing program in the file header.
     pub library: String,
     /// Length of a chunk before compression, in bytes; a longer message is a chunk of its own. A
-    /// short chunk fits into the processor's cache with all that is needed to compress it; long ones
-    /// make a short index.
+    /// short chunk fits into the processor's cache with all that is needed to compress it; long
+    /// chunks make a short index.
     pub chunk_bytes: usize,
     /// Names of joints and links.
     pub names: RosNames,

@@ -9,6 +9,8 @@
 
 mod formats;
 mod losses;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod refusals;
 
 use std::collections::BTreeMap;

@@ -7,7 +7,7 @@ use std::io::Cursor;
 use iiwa_kin::Robot;
 use iiwa_log::{
     PlanConfig, PlanRecord, PlanRecordError, PlanWriter, RecordedRobotError, Recorder,
-    RecorderConfig, write_plan,
+    RecorderConfig, Recording, write_plan,
 };
 use iiwa_plan::{ClearanceRecord, PlanOptions, PlanRequest, ProgramSource};
 use iiwa_traj::{SweepOptions, Timing};
@@ -80,6 +80,32 @@ fn everything_is_read_back() {
         let end_s = record.nodes.last().unwrap().t_s;
         assert!((end_s - figures.cycle_time_s).abs() < 1e-9);
     }
+}
+
+/// `/motion` has the name and the group of each motion that has them.
+#[test]
+fn pieces_have_names_and_groups() {
+    let text = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] }, "motions": [
+        { "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0], "name": "approach" },
+        { "type": "repeat", "count": 2, "group": "swings", "motions": [
+            { "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+            { "type": "wait", "seconds": 0.1, "name": "pause" } ] } ] }"#;
+    let plan = PlanRequest::default().plan(&ProgramSource::from_json(text).unwrap()).unwrap();
+    let stream = Cursor::new(Vec::new());
+    let file = write_plan(stream, &plan, PlanConfig::default(), text).unwrap().into_inner();
+    let recording = Recording::from_bytes(&file).unwrap();
+    let motions = recording.motions.iter().map(|sample| &sample.motion);
+    let motions = motions.filter(|motion| motion.kind != "settle");
+    let labels =
+        motions.map(|motion| (motion.index, motion.name.as_deref(), motion.group.as_deref()));
+    // In the second round, the arm is already there.
+    let expected = [
+        (1, Some("approach"), None),
+        (2, None, Some("swings")),
+        (3, Some("pause"), Some("swings")),
+        (5, Some("pause"), Some("swings")),
+    ];
+    assert_eq!(labels.collect::<Vec<_>>(), expected);
 }
 
 #[test]

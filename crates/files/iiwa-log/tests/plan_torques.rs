@@ -78,7 +78,7 @@ fn files_have_the_torques_of_the_trajectory() {
         let file = written(&plan, TEXT);
         let states = Recording::from_bytes(&file).unwrap().joint_states;
         let log = JointLog::read(&*file).unwrap();
-        let mut csv = PlanTable::csv(Vec::new(), 100.0).unwrap();
+        let mut csv = PlanTable::csv(Vec::new(), 100.0).unwrap().exact();
         plan.trajectory.sections().iter().for_each(|section| csv.section(section).unwrap());
         let csv = String::from_utf8(csv.finish().unwrap()).unwrap();
         let mut rows = csv.lines();
@@ -171,7 +171,8 @@ fn figures_are_in_the_files() {
 fn outstretched(mass_kg: f64) -> PlanFigures {
     let text = format!(
         r#"{{ "version": 1, "start": {{ "joints_deg": [0, 90, 0, 0, 0, 0, 0] }},
-        "tools": {{ "weight": {{ "tcp": {{}}, "load": {{ "mass_kg": {mass_kg}, "center_mm": [0, 0, 100] }} }} }},
+        "tools": {{ "weight": {{ "tcp": {{}},
+            "load": {{ "mass_kg": {mass_kg}, "center_mm": [0, 0, 100] }} }} }},
         "tool": "weight", "motions": [
             {{ "type": "wait", "seconds": 0.1 }},
             {{ "type": "ptp", "joints_deg": [0, 60, 0, 0, 0, 0, 0] }} ] }}"#
@@ -204,7 +205,8 @@ fn few_of_many_overloaded_motions_are_named() {
     });
     let text = format!(
         r#"{{ "version": 1, "start": {{ "joints_deg": [0, 90, 0, 0, 0, 0, 0] }},
-        "tools": {{ "weight": {{ "tcp": {{}}, "load": {{ "mass_kg": 13, "center_mm": [0, 0, 100] }} }} }},
+        "tools": {{ "weight": {{ "tcp": {{}},
+            "load": {{ "mass_kg": 13, "center_mm": [0, 0, 100] }} }} }},
         "tool": "weight", "motions": [{}] }}"#,
         turns.collect::<Vec<_>>().join(",")
     );

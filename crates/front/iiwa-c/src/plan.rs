@@ -126,7 +126,7 @@ pub unsafe extern "C" fn iiwasim_plan_sample(
         count_place.write(count);
         if count > capacity && !states.is_null() {
             return Err(CallFailure::argument(format!(
-                "there are {count} samples, and room for {capacity}"
+                "there are {count} samples; the array has a capacity of {capacity}"
             )));
         }
         Ok(())

@@ -133,7 +133,10 @@ fn samples_are_as_many_as_they_are_counted() {
         assert_eq!(unsafe { state.assume_init() }, at(&plan, i as f64 / 250.0));
     }
     assert_eq!(sample(&mut states[1..]), (IiwasimStatus::Argument, count));
-    assert_eq!(last_error().1, format!("there are {count} samples, and room for {}", count - 1));
+    assert_eq!(
+        last_error().1,
+        format!("there are {count} samples; the array has a capacity of {}", count - 1)
+    );
 }
 
 #[test]

@@ -60,7 +60,7 @@ def check(library: Library, folder):
             (ARGUMENT, "t_s is not a number", lambda: library.at(loaded, math.nan)),
             (ARGUMENT, "rate_hz is 0", lambda: sample(library, loaded, 0.0, state, 1)),
             (ARGUMENT, "rate_hz is inf", lambda: sample(library, loaded, math.inf, state, 1)),
-            (ARGUMENT, "room for 1", lambda: sample(library, loaded, 100.0, state, 1)),
+            (ARGUMENT, "capacity of 1", lambda: sample(library, loaded, 100.0, state, 1)),
             (ARGUMENT, "states is NULL", lambda: sample(library, loaded, 100.0, None, 9)),
             (
                 ARGUMENT,
@@ -82,8 +82,8 @@ def check(library: Library, folder):
 
 
 # No motion is slow enough for a torque limit of 20 % with an outstretched arm.
-HOLDS_NOT = b"""{ "version": 1, "limit_torque_percent": 20, "start": { "joints_deg": [0, 90, 0, 0, 0, 0, 0] },
-  "motions": [
+HOLDS_NOT = b"""{ "version": 1, "limit_torque_percent": 20,
+  "start": { "joints_deg": [0, 90, 0, 0, 0, 0, 0] }, "motions": [
 { "type": "ptp", "joints_deg": [10, 90, 0, 0, 0, 0, 0] }] }"""
 
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct Nearest {
     /// Distance in mm; 0 for contact.
     pub distance_mm: f64,
-    /// Link of the arm, 2 to 7, or 8 for the tool.
+    /// Link of the arm, 2 to 7, 8 for the tool, or 9 for the workpiece.
     pub link: usize,
     /// Name of the obstacle, or of another link of the arm.
     pub other: String,

@@ -6,12 +6,15 @@
 //! module selects the content.
 
 mod attached;
+mod body_times;
 mod clearance;
+mod compared;
 mod curve;
 mod curves;
 mod data;
 mod measured;
 mod planned;
+mod segments;
 mod source;
 mod tool;
 

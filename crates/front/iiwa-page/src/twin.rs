@@ -11,10 +11,11 @@ use crate::{
 };
 
 /// Parts of this page only.
-const PARTS: [PagePart; 10] = [
+const PARTS: [PagePart; 11] = [
     ("/*twin.css*/", include_str!("twin/twin.css")),
     ("/*plot.js*/", include_str!("page/plot.js")),
     ("/*link.js*/", include_str!("twin/link.js")),
+    ("/*reasons.js*/", include_str!("twin/reasons.js")),
     ("/*live.js*/", include_str!("twin/live.js")),
     ("/*positions.js*/", include_str!("twin/positions.js")),
     ("/*programs.js*/", include_str!("twin/programs.js")),

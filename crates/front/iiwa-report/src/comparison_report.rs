@@ -6,12 +6,14 @@ use comfy_table::{Cell, Table};
 use iiwa_eval::{Comparison, Deviation, MotionTime, PlannedTrajectory, StopTime, TorqueDifference};
 use iiwa_json::printable;
 use iiwa_log::{CycleClock, JointLog, Loss};
+use iiwa_plan::is_above;
+use iiwa_program::IoValue;
 use serde::Serialize;
 
 use crate::{
     signed::{rounded, signed},
     stated_time::stated_time,
-    table::{shortened, table},
+    table::{fitted, shortened, table},
     validation_report::UNKNOWN,
 };
 
@@ -64,6 +66,12 @@ struct CycleTimeRow {
 struct MotionTimeRow {
     index: usize,
     r#type: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    io: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value: Option<IoValue>,
     planned_start_s: f64,
     planned_s: f64,
     real_start_s: Option<f64>,
@@ -112,7 +120,7 @@ struct TorqueErrors {
     /// Largest torques in the plan.
     planned_peak_nm: [f64; 7],
     samples: usize,
-    /// `true` if the recording has the sign of plans, not that of KUKA's controller.
+    /// `true` if the sign of the recorded torques is not that of their format, and was inverted.
     turned: bool,
 }
 
@@ -129,11 +137,14 @@ impl From<&TorqueDifference> for TorqueErrors {
     }
 }
 
-impl From<&MotionTime> for MotionTimeRow {
-    fn from(motion: &MotionTime) -> Self {
+impl MotionTimeRow {
+    fn new(motion: &MotionTime, plan: &PlannedTrajectory) -> Self {
         Self {
             index: motion.motion.number(),
             r#type: motion.motion_type.name(),
+            name: plan.name_of(motion.motion).map(str::to_owned),
+            io: plan.io_of(motion.motion).map(|(io, _)| io.to_owned()),
+            value: plan.io_of(motion.motion).map(|(_, value)| value),
             planned_start_s: motion.planned_start_s,
             planned_s: motion.planned_s,
             real_start_s: motion.real_start_s,
@@ -212,7 +223,11 @@ impl ComparisonReport {
             },
             departure_s: comparison.departure_s,
             arrival_s: comparison.arrival_s,
-            motions: comparison.motions.iter().map(MotionTimeRow::from).collect(),
+            motions: comparison
+                .motions
+                .iter()
+                .map(|motion| MotionTimeRow::new(motion, plan))
+                .collect(),
             stops: comparison.stops.iter().map(StopTimeRow::from).collect(),
             joint_deviation: (&comparison.joints_rad).into(),
             tcp_deviation: (&comparison.tcp_m).into(),
@@ -245,7 +260,8 @@ impl ComparisonReport {
     }
 
     /// Describes the violated gates, if any: absolute error of the cycle time, in per cent of the
-    /// measured one, and deviation of the flange, in mm.
+    /// measured one, and deviation of the flange, in mm. Both are compared as they are printed, to
+    /// three decimals.
     #[must_use]
     pub fn complaint(
         &self,
@@ -254,9 +270,9 @@ impl ComparisonReport {
     ) -> Option<String> {
         let (percent, off_mm) = (self.error_percent(), self.max_deviation_mm());
         let time = max_error_percent
-            .filter(|limit| percent.abs() > *limit)
+            .filter(|limit| is_above(percent.abs(), *limit, 3))
             .map(|limit| format!("the cycle time is off by {percent:+.3} %, more than {limit} %"));
-        let path = max_deviation_mm.filter(|limit| off_mm > *limit).map(|limit| {
+        let path = max_deviation_mm.filter(|limit| is_above(off_mm, *limit, 3)).map(|limit| {
             format!("the flange is off its path by {off_mm:.3} mm, more than {limit} mm")
         });
         let missed: Vec<_> = time.into_iter().chain(path).collect();
@@ -265,7 +281,12 @@ impl ComparisonReport {
 
     /// Formats the table of motions. Unknown times are shown as `?`.
     fn motion_table(&self) -> Table {
-        let head = ["motion", "type", "planned s", "measured s", "error s", "error %"];
+        let has_name = self.motions.iter().any(|row| row.name.is_some());
+        let has_io = self.motions.iter().any(|row| row.io.is_some());
+        let mut head = vec!["motion", "type"];
+        head.extend(has_name.then_some("name"));
+        head.extend(has_io.then_some("I/O"));
+        head.extend(["planned s", "measured s", "error s", "error %"]);
         let mut motions = table(&head);
         shortened(&mut motions, &self.motions, |table, row| {
             // A zero time has no relative error.
@@ -277,22 +298,29 @@ impl ComparisonReport {
                 ),
                 _ => ("?".to_owned(), "?".to_owned(), "?".to_owned()),
             };
-            table.add_row([
-                Cell::new(row.index),
-                Cell::new(row.r#type),
+            let mut cells = vec![Cell::new(row.index), Cell::new(row.r#type)];
+            let name = row.name.as_deref().map(printable).unwrap_or_default();
+            cells.extend(has_name.then(|| Cell::new(name)));
+            let io = row.io.as_deref().zip(row.value).map(|(io, value)| format!("{io} = {value}"));
+            cells.extend(
+                has_io.then(|| Cell::new(io.as_deref().map(printable).unwrap_or_default())),
+            );
+            cells.extend([
                 Cell::new(format!("{:.3}", row.planned_s)),
                 Cell::new(real_s),
                 Cell::new(error_s),
                 Cell::new(percent),
             ]);
+            table.add_row(cells);
         });
         motions
     }
 
-    /// Formats the report as tables and sentences.
+    /// Formats the report as a table and sentences. Cells of the table are wrapped to lines of at
+    /// most `width` characters; see [`fitted`].
     #[must_use]
-    pub fn text(&self) -> String {
-        let mut text = format!("{}\n\n", self.motion_table());
+    pub fn text(&self, width: Option<u16>) -> String {
+        let mut text = format!("{}\n\n", fitted(self.motion_table(), width));
         if self.motions.iter().any(|row| row.real_s.is_none() || row.error_s.is_none()) {
             text.push_str(UNKNOWN);
         }
@@ -340,7 +368,11 @@ impl ComparisonReport {
         );
         if let Some(torques) = &self.torque_difference {
             let list = |nm: &[f64; 7]| nm.map(|nm| format!("{:.2}", rounded(nm, 2))).join(" ");
-            let turned = if torques.turned { ", which have the sign of plans already" } else { "" };
+            let turned = if torques.turned {
+                ", inverted: by the arm's weight, their sign is not that of their format"
+            } else {
+                ""
+            };
             let _ = writeln!(
                 text,
                 "Torques     A1 to A7 off the plan's by {} Nm rms, at most {} Nm, of {} Nm at \

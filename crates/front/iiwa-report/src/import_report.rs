@@ -9,7 +9,7 @@ use iiwa_sunrise::{
 };
 use serde::Serialize;
 
-use crate::table::{shortened, table};
+use crate::table::{fitted, shortened, table};
 
 /// Content imported from a Sunrise project, and the frames that a robot reaches as taught. As JSON,
 /// this is the object of `iiwasim import --json`.
@@ -111,8 +111,8 @@ impl ImportReport {
                 .workcell
                 .tools
                 .get(&tool.name)
-                .and_then(|tool| tool.load)
-                .map(|load| load.mass_kg),
+                .and_then(|tool| tool.load.as_ref())
+                .map(|payload| payload.load.mass_kg),
         });
         let renamed = cell.renamed.iter().map(|entry| RenamedRow {
             from: entry.from.clone(),
@@ -147,9 +147,10 @@ impl ImportReport {
         self.taught_on
     }
 
-    /// Formats the report as text.
+    /// Formats the report as text. Cells of tables are wrapped to lines of at most `width`
+    /// characters; see [`fitted`].
     #[must_use]
-    pub fn text(&self) -> String {
+    pub fn text(&self, width: Option<u16>) -> String {
         let mut text = String::new();
         if !self.tools.is_empty() {
             let mut rows = table(&["tool", "TCP", "tips", "load kg"]);
@@ -159,7 +160,7 @@ impl ImportReport {
                 let [name, tcp, tips] = [&tool.name, tcp, &tool.tips.join(", ")].map(printable);
                 rows.add_row([name, tcp, tips, load]);
             });
-            let _ = writeln!(text, "{rows}\n");
+            let _ = writeln!(text, "{}\n", fitted(rows, width));
         }
         if !self.frames.is_empty() {
             let mut rows = table(&["frame", "used as", "taught with", "check"]);
@@ -172,14 +173,14 @@ impl ImportReport {
                 let check = if frame.is_target { &frame.check } else { "-" };
                 rows.add_row([&frame.name, used, &frame.tool_text(), check].map(printable));
             });
-            let _ = writeln!(text, "{rows}\n");
+            let _ = writeln!(text, "{}\n", fitted(rows, width));
         }
         if !self.renamed.is_empty() {
             let mut rows = table(&["renamed", "to", "why"]);
             shortened(&mut rows, &self.renamed, |rows, entry| {
                 rows.add_row([&entry.from, &entry.to, entry.why].map(printable));
             });
-            let _ = writeln!(text, "{rows}\n");
+            let _ = writeln!(text, "{}\n", fitted(rows, width));
         }
         if !self.not_taken.is_empty() {
             let mut rows = table(&["not taken", "count", "why"]);
@@ -190,7 +191,7 @@ impl ImportReport {
                     printable(&entry.why),
                 ]);
             });
-            let _ = writeln!(text, "{rows}\n");
+            let _ = writeln!(text, "{}\n", fitted(rows, width));
         }
         let targets = self.frames.iter().filter(|frame| frame.is_target).count();
         let _ = writeln!(

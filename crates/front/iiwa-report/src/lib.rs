@@ -8,18 +8,23 @@
 //!   plan.
 //! - [`ExperimentKind`] lists the experiments, those of the thesis (Larsen 2019) and those of this
 //!   project, and writes the [`Chapter`] of each.
-//! - [`ComparisonReport`], [`IdentificationReport`], [`ImportReport`], [`plan_table`] and
-//!   [`Summary`] format results as text and tables.
+//! - [`ComparisonReport`], [`DifferenceReport`], [`IdentificationReport`], [`ImportReport`],
+//!   [`plan_table`] and [`Summary`] format results as text and tables.
 
 mod comparison_report;
+mod difference_report;
+mod difference_summary;
 mod duration;
 mod error;
+mod error_record;
 mod experiment;
 mod identification_report;
 #[cfg(feature = "sunrise")]
 mod import_report;
+mod markdown;
 mod picture;
 mod plan_clearance;
+mod plan_table;
 mod robot_sheet;
 mod run_report;
 mod signed;
@@ -30,8 +35,11 @@ mod validation_report;
 mod warning;
 
 pub use comparison_report::ComparisonReport;
+pub use difference_report::DifferenceReport;
+pub use difference_summary::{DifferenceSummary, ProgramDifference};
 pub use duration::long_duration;
 pub use error::{ReportError, with_causes};
+pub use error_record::{ErrorRecord, ProgramErrors};
 pub use experiment::{
     Bench, Chapter, ExperimentKind, TrialRun, VirtualArm, motion_warning, other_robot, preface,
     wrapped,
@@ -40,10 +48,11 @@ pub use identification_report::IdentificationReport;
 #[cfg(feature = "sunrise")]
 pub use import_report::ImportReport;
 pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison};
-pub use plan_clearance::add_clearances;
+pub use plan_clearance::{add_clearances, carried};
+pub use plan_table::{assumption_lines, plan_table};
 pub use robot_sheet::{robot_sheet, robots_table, rounded};
 pub use run_report::RunReport;
 pub use summary::{PlannedTimes, Summary, SummaryRow};
-pub use table::{assumption_lines, plan_table, table};
+pub use table::{fitted, table};
 pub use validation_report::ValidationReport;
 pub use warning::warning_lines;

@@ -2,6 +2,7 @@
 
 mod comparison;
 mod format;
+mod key;
 mod picture_error;
 mod plan;
 pub(crate) mod plot;
@@ -144,12 +145,12 @@ impl Space {
     fn chart<'a>(
         &self,
         area: &Area<'a>,
-        caption: &str,
         (across, up): (usize, usize),
     ) -> Result<Chart<'a>, Box<dyn std::error::Error>> {
         let (width, height) = area.dim_in_pixel();
-        let frame = f64::from(FINE) * 110.0;
-        let plot = (f64::from(width) - frame, f64::from(height) - frame);
+        // Margins and labels beside the plot.
+        let frame = [2 * 14 + 62, 2 * 14 + 44].map(|pixels| f64::from(FINE * pixels));
+        let plot = (f64::from(width) - frame[0], f64::from(height) - frame[1]);
         let scale = (self.extent(across) / plot.0)
             .max(self.extent(up) / plot.1)
             .max(0.05 / f64::from(FINE))
@@ -159,7 +160,6 @@ impl Space {
             middle - 0.5 * scale * pixels..middle + 0.5 * scale * pixels
         };
         let mut chart = ChartBuilder::on(area)
-            .caption(caption, font())
             .margin(14 * FINE)
             .x_label_area_size(44 * FINE)
             .y_label_area_size(62 * FINE)

@@ -4,12 +4,12 @@ use std::fmt::Write as _;
 
 use iiwa_kin::Robot;
 
-use crate::table::table;
+use crate::table::{fitted, table};
 
 /// Formats geometry, limits, blends and masses of the robot as text, with the assumptions behind
-/// them.
+/// them. Cells are wrapped to lines of at most `width` characters; see [`fitted`].
 #[must_use]
-pub fn robot_sheet(robot: &Robot) -> String {
+pub fn robot_sheet(robot: &Robot, width: Option<u16>) -> String {
     let mut text = format!("{}\n\n", robot.name());
 
     text.push_str("Denavit-Hartenberg parameters\n");
@@ -22,7 +22,7 @@ pub fn robot_sheet(robot: &Robot) -> String {
             rounded(row.d_m * 1e3),
         ]);
     }
-    let _ = writeln!(text, "{dh}\n");
+    let _ = writeln!(text, "{}\n", fitted(dh, width));
     let flange_mm = rounded(robot.lengths().flange_m * 1e3);
     let _ = writeln!(
         text,
@@ -49,7 +49,7 @@ pub fn robot_sheet(robot: &Robot) -> String {
         row.extend(values.map(shown));
         rows.add_row(row);
     }
-    let _ = writeln!(text, "{rows}\n");
+    let _ = writeln!(text, "{}\n", fitted(rows, width));
 
     let mut kappa = |quantity: &str, [c0, c1, c2]: &[f64; 3]| {
         let _ =
@@ -87,9 +87,10 @@ pub fn rounded(value: f64) -> String {
     format!("{}", value + 0.0)
 }
 
-/// Formats a table of the built-in robots.
+/// Formats a table of the built-in robots. Cells are wrapped to lines of at most `width`
+/// characters; see [`fitted`].
 #[must_use]
-pub fn robots_table() -> String {
+pub fn robots_table(width: Option<u16>) -> String {
     let mut table = table(&["robot", "reach m", "flange m", "assumed"]);
     for robot in Robot::BUILT_IN.iter().filter_map(|name| Robot::built_in(name)) {
         let assumed: Vec<_> = robot.assumptions().iter().map(|a| a.quantity.as_str()).collect();
@@ -101,5 +102,5 @@ pub fn robots_table() -> String {
             assumed.join(", "),
         ]);
     }
-    format!("{table}\n")
+    format!("{}\n", fitted(table, width))
 }

@@ -8,7 +8,7 @@ use std::{
 use comfy_table::Cell;
 use iiwa_plan::PlanFigures;
 
-use crate::table::table;
+use crate::table::{fitted, table};
 use iiwa_json::printable;
 use iiwa_plan::PlanGates;
 
@@ -155,9 +155,10 @@ impl Summary {
         self.rows.iter().filter_map(|row| row.times.as_ref())
     }
 
-    /// Formats a row per program, and the totals.
+    /// Formats a row per program, and the totals. Cells are wrapped to lines of at most `width`
+    /// characters; see [`fitted`].
     #[must_use]
-    pub fn text(&self) -> String {
+    pub fn text(&self, width: Option<u16>) -> String {
         let mut head = vec![
             "program",
             "motions",
@@ -182,7 +183,7 @@ impl Summary {
                     format!("{:.3}", times.motion_s),
                     format!("{:.3}", times.standing_s),
                     times.limited_by.clone().unwrap_or_default(),
-                    times.torque_percent.map(|percent| format!("{percent:.0}")).unwrap_or_default(),
+                    times.torque_percent.map(|percent| format!("{percent:.1}")).unwrap_or_default(),
                 ]
             });
             cells.extend(figures.unwrap_or_default());
@@ -193,7 +194,7 @@ impl Summary {
             cells.push(row.result());
             table.add_row(cells.into_iter().map(Cell::new));
         }
-        let mut text = format!("{}\n\n", table.trim_fmt());
+        let mut text = format!("{}\n\n", fitted(table, width));
         let _ = writeln!(
             text,
             "{} planned, {} failed; cycle times together {:.3} s",

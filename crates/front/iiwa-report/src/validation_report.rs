@@ -1,7 +1,7 @@
 //! Recording of a robot compared with the plan of its program, as a table with a score, for
 //! sharing: it contains file names, but not their folders.
 
-use std::{ffi::OsStr, fmt::Write as _, path::Path};
+use std::{collections::HashMap, ffi::OsStr, fmt::Write as _, path::Path};
 
 use comfy_table::Cell;
 use iiwa_eval::{Comparison, MotionTime};
@@ -12,8 +12,9 @@ use iiwa_program::MotionType;
 use serde::Serialize;
 
 use crate::{
+    plan_table::assumption_lines,
     signed::{rounded, signed},
-    table::{assumption_lines, shortened, table},
+    table::{fitted, shortened, table},
 };
 
 /// Recording compared with the plan of its program. As JSON, this is the object of `iiwasim
@@ -34,7 +35,7 @@ pub struct ValidationReport {
     motions: Vec<ValidatedMotion>,
     /// Absolute errors over the motions that have a duration.
     score: Score,
-    /// Assumptions of the plan, beside published figures.
+    /// Assumptions of the plan that are not published figures.
     assumptions: Vec<String>,
     /// Assumptions about the controller.
     rests_on: Vec<AssumptionRecord>,
@@ -47,6 +48,8 @@ pub struct ValidationReport {
 struct ValidatedMotion {
     index: usize,
     r#type: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
     planned_s: f64,
     /// Measured duration; null if the recording does not show the motion.
     measured_s: Option<f64>,
@@ -114,9 +117,17 @@ impl ValidationReport {
         let name = |path: &Path| {
             path.file_name().unwrap_or(OsStr::new("standard input")).to_string_lossy().into_owned()
         };
-        let motions: Vec<_> =
-            comparison.motions.iter().map(|motion| row(motion, comparison)).collect();
-        let moving = || motions.iter().filter(|motion| motion.r#type != MotionType::Wait.name());
+        let mut names: HashMap<_, _> = figures
+            .motions
+            .iter()
+            .map(|motion| (motion.index, motion.label.name.clone()))
+            .collect();
+        let motions = comparison.motions.iter().map(|motion| {
+            let name = names.remove(&motion.motion.number()).flatten();
+            row(motion, name, comparison)
+        });
+        let motions: Vec<_> = motions.collect();
+        let moving = || motions.iter().filter(|motion| moves(motion.r#type));
         let score = Score {
             motions: moving().filter(|motion| motion.error_percent.is_some()).count(),
             time_percent: Spread::of(moving().filter_map(|motion| motion.error_percent)),
@@ -152,18 +163,14 @@ impl ValidationReport {
         }
     }
 
-    /// Formats the report as a table and sentences.
+    /// Formats the report as a table and sentences. Cells of the table are wrapped to lines of at
+    /// most `width` characters; see [`fitted`].
     #[must_use]
-    pub fn text(&self) -> String {
-        let head = [
-            "motion",
-            "type",
-            "planned s",
-            "measured s",
-            "error %",
-            "joint off deg",
-            "flange off mm",
-        ];
+    pub fn text(&self, width: Option<u16>) -> String {
+        let has_name = self.motions.iter().any(|row| row.name.is_some());
+        let mut head = vec!["motion", "type"];
+        head.extend(has_name.then_some("name"));
+        head.extend(["planned s", "measured s", "error %", "joint off deg", "flange off mm"]);
         let mut rows = table(&head);
         let known = |value: Option<f64>, digits: u8| {
             let precision = usize::from(digits);
@@ -171,23 +178,24 @@ impl ValidationReport {
             value.map_or_else(|| "?".to_owned(), shown)
         };
         shortened(&mut rows, &self.motions, |table, row| {
-            let is_wait = row.r#type == MotionType::Wait.name();
-            let moves = !is_wait && row.planned_s > 0.0;
+            let moves = moves(row.r#type) && row.planned_s > 0.0;
             let off = |value, digits| if moves { known(value, digits) } else { String::new() };
             let error = row.error_percent.map(|percent| signed(percent, 2));
-            table.add_row([
-                Cell::new(row.index),
-                Cell::new(row.r#type),
+            let mut cells = vec![Cell::new(row.index), Cell::new(row.r#type)];
+            let name = row.name.as_deref().map(printable).unwrap_or_default();
+            cells.extend(has_name.then(|| Cell::new(name)));
+            cells.extend([
                 Cell::new(format!("{:.3}", row.planned_s)),
                 Cell::new(known(row.measured_s, 3)),
                 Cell::new(error.unwrap_or_default()),
                 Cell::new(off(row.joint_off_deg, 4)),
                 Cell::new(off(row.tcp_off_mm, 3)),
             ]);
+            table.add_row(cells);
         });
-        let mut text = format!("{}\n\n", rows.trim_fmt());
+        let mut text = format!("{}\n\n", fitted(rows, width));
         let is_unknown = |row: &ValidatedMotion| {
-            let moves = row.r#type != MotionType::Wait.name() && row.planned_s > 0.0;
+            let moves = moves(row.r#type) && row.planned_s > 0.0;
             row.measured_s.is_none() || moves && row.joint_off_deg.is_none()
         };
         if self.motions.iter().any(is_unknown) {
@@ -237,16 +245,22 @@ impl ValidationReport {
     }
 }
 
+/// Returns true if entries of a type move the robot.
+fn moves(type_name: &str) -> bool {
+    MotionType::from_name(type_name).is_some_and(MotionType::moves)
+}
+
 /// Returns the row of a motion.
-fn row(motion: &MotionTime, comparison: &Comparison) -> ValidatedMotion {
-    let is_wait = motion.motion_type == MotionType::Wait;
+fn row(motion: &MotionTime, name: Option<String>, comparison: &Comparison) -> ValidatedMotion {
     let (planned_s, measured_s) = (motion.planned_s, motion.real_s);
     let error = |measured_s: f64| 100.0 * (planned_s - measured_s) / measured_s;
     let deviations = &comparison.motion_deviations;
-    let off = deviations.iter().find(|off| off.motion == motion.motion).filter(|_| !is_wait);
+    let off = deviations.iter().find(|off| off.motion == motion.motion);
+    let off = off.filter(|_| motion.motion_type.moves());
     ValidatedMotion {
         index: motion.motion.number(),
         r#type: motion.motion_type.name(),
+        name,
         planned_s,
         measured_s,
         error_percent: measured_s.filter(|measured_s| *measured_s > 0.0).map(error),

@@ -60,7 +60,7 @@ pub(crate) async fn accept(listener: TcpListener, router: Router) {
             // The peer has disconnected already.
             Err(error) if is_gone(&error) => {}
             Err(_) => {
-                // The process may have too many open files. The server goes on, without keeping a
+                // The process may have too many open files. The server continues without keeping a
                 // core busy.
                 connections.close_oldest();
                 time::sleep(PAUSE).await;

@@ -53,7 +53,11 @@ pub enum TwinError {
         source: Box<dyn Error + Send + Sync>,
     },
     /// A program is invalid, or cannot be planned.
-    #[error("{name}{}: {}", error.place().map_or(String::new(), |place| format!(", {place}")), error.message())]
+    #[error(
+        "{name}{}: {}",
+        error.place().map_or(String::new(), |place| format!(", {place}")),
+        error.message()
+    )]
     Program {
         /// Name of the program.
         name: String,
@@ -83,7 +87,10 @@ pub enum TwinError {
         message: String,
     },
     /// The saved positions belong to another robot.
-    #[error("{}: positions of the robot `{robot}`, not of {twin_robot}", file.display())]
+    #[error(
+        "{}: the positions were saved for the robot `{robot}`, but the twin follows {twin_robot}",
+        file.display()
+    )]
     PositionsOfAnother {
         /// Path of the file.
         file: PathBuf,

@@ -27,6 +27,7 @@ mod planned;
 mod positions;
 mod request;
 mod run;
+pub mod run_parts;
 pub mod runs;
 mod sampled;
 mod server;

@@ -9,7 +9,8 @@ use iiwa_log::{PlanConfig, PlanSize, write_plan};
 use iiwa_page::{Extent, NearestPlaces};
 use iiwa_plan::{PlanRequest, ProgramSource};
 use iiwa_program::{MotionList, Program};
-use iiwa_report::long_duration;
+use iiwa_report::{carried, long_duration};
+use iiwa_scene::CarriedBodies;
 use iiwa_traj::Trajectory;
 use serde::Serialize;
 
@@ -75,8 +76,14 @@ impl PlanFiles {
         let plan = request.plan(&source).map_err(to_error)?;
         let trajectory = &plan.trajectory;
         check_size(trajectory)?;
-        let nearest = setup.nearest_of(trajectory);
-        let refused = setup.too_near(&nearest);
+        // As in `iiwasim plan`, the meshes have to be solid only if they are checked.
+        let carried = if setup.has_scene() {
+            carried(&source).map_err(to_error)?
+        } else {
+            CarriedBodies::default()
+        };
+        let nearest = setup.nearest_of(trajectory, &carried);
+        let refused = uses_signal(program).or_else(|| setup.too_near(&nearest));
         let figures = plan.figures();
         let warnings = plan.warnings(&figures);
 
@@ -127,6 +134,18 @@ impl PlanFiles {
     }
 }
 
+/// Returns the reason why the twin cannot run a program with inputs or outputs: a request to a
+/// drive contains motions only.
+fn uses_signal(program: &Program) -> Option<String> {
+    let (motion, entry) = program.entries().find_map(|(motion, it)| Some((motion, it.io()?)))?;
+    let message = format!(
+        "motion {motion}: the twin does not use inputs and outputs (`{}`); run the program by \
+         iiwasim run",
+        entry.io
+    );
+    Some(program.sources.in_message(&message))
+}
+
 /// Plan in page format.
 #[derive(Serialize)]
 struct PlanForPage<'a, S> {
@@ -162,4 +181,27 @@ fn check_size(plan: &Trajectory) -> Result<(), String> {
         long_duration(size.duration_s()),
         long_duration(MAX_SAMPLES as f64 / rate_hz)
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_with_signals_is_shown_and_not_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = r#"{
+            "version": 1,
+            "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+            "motions": [
+                { "type": "ptp", "joints_deg": [10, 30, 0, -60, 0, 90, 0] },
+                { "type": "set", "io": "Gripper.Close", "value": true, "name": "close" }
+            ]
+        }"#;
+        let setup = Setup::without_drive(folder.path());
+        let plan = PlanFiles::new(1, "a.json", text.to_owned(), &setup).unwrap();
+        let refused = plan.refused.unwrap_or_default();
+        let expected = "motion 2 \"close\": the twin does not use inputs and outputs";
+        assert!(refused.starts_with(expected), "{refused}");
+    }
 }

@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iiwa_files::Output;
+use iiwa_files::{Output, read_text};
 use iiwa_json::{JsonPlace, problem};
 use iiwa_kin::{Joints, Robot};
 use iiwa_program::{
@@ -76,7 +76,7 @@ impl PositionList {
             file: file.to_owned(),
             words,
         };
-        let text = match fs::read_to_string(file) {
+        let text = match read_text(file) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(list),
             Err(error) => return Err(TwinError::file(format!("read {}", file.display()), error)),

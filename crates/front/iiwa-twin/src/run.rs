@@ -20,6 +20,7 @@ use iiwa_link::{
 use iiwa_log::{Config, JointLog};
 use iiwa_page::{Extent, Page};
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
+use iiwa_scene::CarriedBodies;
 use serde::Serialize;
 
 use crate::{
@@ -182,7 +183,7 @@ pub(crate) fn motion_to(to_rad: Joints, from_rad: Joints, setup: &Setup) -> Resu
         sources: Sources::default(),
     };
     let plan = setup.plan(&program)?;
-    match setup.too_near(&setup.nearest_of(&plan)) {
+    match setup.too_near(&setup.nearest_of(&plan, &CarriedBodies::default())) {
         None => Ok(motion),
         Some(why) => Err(why),
     }

@@ -15,11 +15,12 @@ use iiwa_link::{
 };
 use iiwa_log::{CycleClock, DEFAULT_EPOCH, JointLog};
 use iiwa_plan::PlanFigures;
+use iiwa_program::IoEntry;
 
 pub use crate::sampled::sampled;
 
 /// Timeout of the stream before the run and the interrupt flag are checked.
-const POLL: Duration = Duration::from_millis(50);
+pub(crate) const POLL: Duration = Duration::from_millis(50);
 
 /// Time limit for reading the torques of a run's last samples from the stream.
 const LAST_TORQUES: Duration = Duration::from_millis(500);
@@ -42,6 +43,11 @@ impl DriveConnection {
     /// Client that starts runs, for other requests between them.
     pub fn client(&mut self) -> &mut Client {
         &mut self.client
+    }
+
+    /// Stream of the drive.
+    pub(crate) fn stream(&mut self) -> &mut Stream {
+        &mut self.stream
     }
 }
 
@@ -89,6 +95,8 @@ pub enum RunUpdate<'a> {
     Stopped(&'a Result<(), ClientError>),
     /// The stream failed.
     StreamError(&'a LinkError),
+    /// The program waits for an input.
+    Waiting(&'a IoEntry),
 }
 
 /// Executes a request, and stops the run once `to_stop` returns true.

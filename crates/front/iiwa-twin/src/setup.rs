@@ -15,7 +15,7 @@ use iiwa_page::{
 };
 use iiwa_plan::PlanOptions;
 use iiwa_program::Program;
-use iiwa_scene::{ArmInScene, ArmMeshes, PlannedClearance, Scene};
+use iiwa_scene::{ArmInScene, ArmMeshes, CarriedBodies, PlannedClearance, Scene};
 use iiwa_traj::Trajectory;
 use tempfile::TempDir;
 
@@ -171,9 +171,16 @@ impl Setup {
         }
     }
 
+    /// Returns true if clearances are checked.
+    pub(crate) fn has_scene(&self) -> bool {
+        self.arm.is_some()
+    }
+
     /// Smallest clearances of a planned motion; empty without a scene.
-    pub(crate) fn nearest_of(&self, plan: &Trajectory) -> NearestPlaces {
+    /// The arm carries the shapes of the plan's program.
+    pub(crate) fn nearest_of(&self, plan: &Trajectory, carried: &CarriedBodies) -> NearestPlaces {
         let Some(arm) = &self.arm else { return NearestPlaces::default() };
+        let arm = &arm.carrying(carried);
         let nearest = |it: PlannedClearance| Nearest::new(arm, &it.clearance, Some(it.at_s));
         NearestPlaces {
             to_scene: arm.clearance_of(plan).map(nearest),

@@ -68,7 +68,7 @@ impl Cabinet {
     /// # Errors
     ///
     /// An address is invalid, requires keys or cannot be bound, the initial position is outside the
-    /// joint ranges, or a thread cannot be started.
+    /// joint ranges, a signal is unknown, or a thread cannot be started.
     pub fn start(config: CabinetConfig, security: &Server) -> Result<Self, LinkError> {
         config.robot.limits().check(&config.start_rad).map_err(|outside| LinkError::Config {
             message: format!("start position: {outside}"),
@@ -113,6 +113,11 @@ impl Cabinet {
             TorqueSensors::new(&robot, config.load, config.mount, config.torque_noise_nm);
         if config.without_times {
             simulation.leave_out_times();
+        }
+        for (name, value) in &config.signals {
+            simulation
+                .set_signal(name, *value)
+                .map_err(|refusal| LinkError::Config { message: refusal.message })?;
         }
         simulation.press_emergency_stop_at(config.faults.emergency_stop_at);
         let period =

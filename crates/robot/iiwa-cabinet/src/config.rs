@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 
 use iiwa_kin::{Joints, Load, Mount, Robot};
-use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT};
+use iiwa_link::{CABINET_INSTRUCTIONS_PORT, CABINET_STATE_PORT, FRI_PORT, message::IoValue};
 
 use crate::position_sensors::{LAG_S, VIBRATION_RAD};
 
@@ -56,6 +56,8 @@ pub struct CabinetConfig {
     /// Omits the values that robot programs on real cabinets do not know: the times of outcomes,
     /// and joint temperatures.
     pub without_times: bool,
+    /// Initial values of inputs and outputs, by name; those of other signals are false and 0.
+    pub signals: Vec<(String, IoValue)>,
     /// Simulated faults.
     pub faults: Faults,
 }
@@ -87,6 +89,7 @@ impl Default for CabinetConfig {
             instructions: format!("tcp://127.0.0.1:{CABINET_INSTRUCTIONS_PORT}"),
             state: format!("tcp://127.0.0.1:{CABINET_STATE_PORT}"),
             without_times: false,
+            signals: Vec::new(),
             faults: Faults::default(),
         }
     }

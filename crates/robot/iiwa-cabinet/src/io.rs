@@ -54,11 +54,17 @@ impl Ports {
 
     /// Sets an output and returns its new value.
     pub(crate) fn set(&mut self, name: &str, value: IoValue) -> Result<IoValue, Refusal> {
-        use IoValue::{Analog, Boolean, Digital};
-        let Some(port) = self.0.get_mut(name) else { return Err(self.unknown(name)) };
+        let Some(port) = self.0.get(name) else { return Err(self.unknown(name)) };
         if port.direction == Direction::Input {
             return Err(Refusal::bad(format!("{name} is an input; it cannot be set")));
         }
+        self.assign(name, value)
+    }
+
+    /// Sets an input or output and returns its new value.
+    pub(crate) fn assign(&mut self, name: &str, value: IoValue) -> Result<IoValue, Refusal> {
+        use IoValue::{Analog, Boolean, Digital};
+        let Some(port) = self.0.get_mut(name) else { return Err(self.unknown(name)) };
         port.value = match (port.value, value) {
             (Boolean(_), Boolean(_)) | (Digital(_), Digital(_)) | (Analog(_), Analog(_)) => value,
             #[expect(clippy::cast_precision_loss, reason = "an analog value is a float")]

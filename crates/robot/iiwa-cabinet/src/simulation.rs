@@ -9,7 +9,8 @@ use iiwa_fri::{Controller, ControllerConfig, Reading, Safety, SessionState, brak
 use iiwa_kin::{Joints, Robot};
 use iiwa_link::{
     message::{
-        Code, Conditions, DriveState, Hello, OperationMode, Refusal, RobotIdentity, Sensors,
+        Code, Conditions, DriveState, Hello, IoValue, OperationMode, Refusal, RobotIdentity,
+        Sensors,
     },
     robot_program::{Acknowledgement, Instruction, Outcome, PROTOCOL, RunId, StateChange},
 };
@@ -167,6 +168,11 @@ impl Simulation {
             without_times: false,
             changed: true,
         }
+    }
+
+    /// Sets an input or output.
+    pub(crate) fn set_signal(&mut self, name: &str, value: IoValue) -> Result<(), Refusal> {
+        self.ports.assign(name, value).map(drop)
     }
 
     /// Omits the times of outcomes and the temperatures of sensors, like a real cabinet.
@@ -589,6 +595,9 @@ pub(crate) fn plan(
     start_rad: Joints,
     motions: MotionList,
 ) -> Result<Trajectory, Refusal> {
+    if motions.motions.iter().any(|motion| motion.io().is_some()) {
+        return Err(Refusal::bad("a run has no inputs and outputs: use `set_io` and `get_io`"));
+    }
     let path = JointPath::new(&motions.starting_at(start_rad), robot)
         .map_err(|fault| Refusal::of_fault(&fault))?;
     Trajectory::plan(&path, Timing::default()).map_err(|error| Refusal::robot(error.to_string()))

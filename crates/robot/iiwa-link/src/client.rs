@@ -148,7 +148,8 @@ struct Patience {
     total: Duration,
     /// Time-out of each attempt.
     each: Duration,
-    /// Number of consecutive handshakes that a drive may close before it counts as a refusal.
+    /// Number of consecutive closed handshakes that are retried; one more counts as a refusal by
+    /// the drive.
     closed_handshakes: u32,
 }
 
@@ -387,7 +388,7 @@ fn read_reply<T: DeserializeOwned>(request: &Request, reply: &[u8]) -> Result<T,
                 request,
                 Request::RunMotions { .. } | Request::RunTrajectory { .. } | Request::LastRun
             );
-            // The reply of an aborted run contains its measurements beside the error.
+            // The reply of an aborted run contains its measurements in addition to the error.
             let run = is_run.then(|| serde_json::from_slice::<Run>(reply).ok()).flatten();
             Err(ClientError::Refused { refusal, run: run.map(Box::new) })
         }

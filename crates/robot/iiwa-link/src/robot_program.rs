@@ -26,7 +26,6 @@ pub const PROTOCOL: u32 = 1;
 pub type RunId = u64;
 
 /// An instruction to the robot program.
-#[expect(clippy::large_enum_variant, reason = "an instruction is moved a few times in a run")]
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Instruction {

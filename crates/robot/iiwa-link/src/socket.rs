@@ -174,7 +174,8 @@ impl Remote {
     }
 }
 
-/// Number of consecutive handshakes that a drive may close before it counts as a refusal.
+/// Number of consecutive closed handshakes that are retried; one more counts as a refusal by the
+/// drive.
 pub(crate) const MAX_CLOSED_HANDSHAKES: u32 = 3;
 
 /// Maximum length of a message on sockets for short messages, in bytes.
@@ -187,7 +188,7 @@ pub fn is_timeout(error: &io::Error) -> bool {
     matches!(error.kind(), WouldBlock | TimedOut | Interrupted)
 }
 
-/// Returns a random number that differs with each start of a program.
+/// Returns a random number, to distinguish program starts.
 #[must_use]
 pub fn random_id() -> u64 {
     // Half of the bits: JSON numbers are exact up to 53 bits.

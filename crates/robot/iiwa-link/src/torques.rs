@@ -17,6 +17,11 @@ impl Torques {
         self.0.insert(t_s.to_bits(), measured_nm);
     }
 
+    /// Adds other torques.
+    pub fn extend(&mut self, others: Self) {
+        self.0.extend(others.0);
+    }
+
     /// Returns the torques at each stamp, if any.
     #[must_use]
     pub fn at(&self, t_s: &[f64]) -> Vec<Option<Joints>> {

@@ -1,7 +1,7 @@
 //! Round trip of requests and instructions with motions, exact to the last bit.
 
 use iiwa_link::{message::Request, robot_program::Instruction};
-use iiwa_program::{Blend, Motion, MotionList, OperatingMode, Ptp};
+use iiwa_program::{Blend, Motion, MotionList, OperatingMode, Program, Ptp};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -14,7 +14,12 @@ fn messages_of_joint_motions_have_no_other_keys() {
         Motion::Ptp(ptp.velocity(0.5)),
         Motion::Ptp(Ptp::to([0.5; 7])),
     ];
-    let list = r#""motions":[{"type":"wait","seconds":2.0},{"type":"ptp","joints_rad":[0.5,0.0,0.0,-1.0,0.0,0.25,0.0],"velocity_rel":0.5,"blend":{"cart_mm":50.0}},{"type":"ptp","joints_rad":[0.5,0.5,0.5,0.5,0.5,0.5,0.5]}]"#;
+    let list = concat!(
+        r#""motions":[{"type":"wait","seconds":2.0},"#,
+        r#"{"type":"ptp","joints_rad":[0.5,0.0,0.0,-1.0,0.0,0.25,0.0],"velocity_rel":0.5,"#,
+        r#""blend":{"cart_mm":50.0}},"#,
+        r#"{"type":"ptp","joints_rad":[0.5,0.5,0.5,0.5,0.5,0.5,0.5]}]"#
+    );
     let request = Request::motions(motions.clone());
     assert_eq!(request.to_json(), format!(r#"{{"type":"run_motions",{list}}}"#));
     let instruction = Instruction::RunMotions { run: 3, motions: motions.into() };
@@ -26,8 +31,9 @@ fn messages_of_joint_motions_have_no_other_keys() {
 
 #[test]
 fn the_keys_of_programs_come_after_the_motions() {
-    let text = r#"{"type":"run_motions","motions":[{"type":"lin","frame":"p"}],"tools":{"t":{"tcp":{"z_mm":120}}},
-        "bases":{"b":{}},"frames":{"p":{"base":"b","x_mm":1,"y_mm":2,"z_mm":3,"a_deg":0,"b_deg":0,"c_deg":0}},
+    let text = r#"{"type":"run_motions","motions":[{"type":"lin","frame":"p"}],
+        "tools":{"t":{"tcp":{"z_mm":120}}},"bases":{"b":{}},
+        "frames":{"p":{"base":"b","x_mm":1,"y_mm":2,"z_mm":3,"a_deg":0,"b_deg":0,"c_deg":0}},
         "tool":"t","base":"b","mode":"t1","mount":{"rpy_deg":[180,0,0]}}"#;
     let (_, request) = Request::from_json(text.as_bytes());
     let Ok(Request::RunMotions { motions, .. }) = request else { panic!("{request:?}") };
@@ -78,6 +84,38 @@ fn other_keys_are_refused() {
         let (seq, instruction) = Instruction::from_json(request.to_string().as_bytes());
         assert_eq!(seq, Some(2));
         assert!(instruction.unwrap_err().message.contains("column"), "{text}");
+    }
+}
+
+/// Keys of the program schema that a list of motions has, too, are known to requests and
+/// instructions. `null` is not valid for all of them.
+#[test]
+fn keys_of_motion_lists_are_known() {
+    const OF_PROGRAMS: [&str; 8] = [
+        "$schema",
+        "version",
+        "robot",
+        "flange_mm",
+        "include",
+        "start",
+        "limit_torque_percent",
+        "override_percent",
+    ];
+    let schema = Program::schema();
+    let keys = schema["properties"].as_object().unwrap().keys();
+    for key in keys.filter(|key| !OF_PROGRAMS.contains(&key.as_str())) {
+        let mut message = json!({"type": "run_motions", "seq": 2, "run": 1,
+            "motions": [{"type": "wait", "seconds": 1}]});
+        if key != "motions" {
+            message[key] = json!(null);
+        }
+        let instruction = Instruction::from_json(message.to_string().as_bytes()).1;
+        let message = message.as_object_mut().unwrap();
+        message.retain(|key, _| key != "seq" && key != "run");
+        let request = Request::from_json(json!(message).to_string().as_bytes()).1;
+        for refusal in [request.err(), instruction.err()].into_iter().flatten() {
+            assert!(!refusal.message.contains("unknown"), "{key}: {refusal}");
+        }
     }
 }
 

@@ -338,7 +338,7 @@ impl Machine {
         // Classes may be injected into each other.
         self.java.steps += 100;
         if self.java.steps > MAX_STEPS {
-            return self.reject("objects are injected into each other without an end");
+            return self.reject("objects are injected into each other in an endless cycle");
         }
         let declaration = Arc::clone(&self.java.classes.known(class).class);
         let marked = declaration

@@ -39,7 +39,7 @@ impl Machine {
             }
             // Handled where constructors are run.
             ExpressionKind::ThisCall(_) | ExpressionKind::SuperCall(_) => {
-                self.reject("a constructor is called where none can be")
+                self.reject("a constructor cannot be called here")
             }
             ExpressionKind::New { type_name, arguments, body } => {
                 self.new_object(expression, type_name, arguments, body.as_ref())

@@ -479,7 +479,10 @@ fn method_of_list<'n>(receiver: &Value, name: &'n str, types: &[Option<TypeName>
 
 /// Returns true for `System.out` and `System.err`, which the evaluator represents as classes.
 fn is_print_stream(expression: &Expression) -> bool {
-    matches!(&expression.kind, ExpressionKind::Field { name, .. } if matches!(name.as_str(), "out" | "err"))
+    match &expression.kind {
+        ExpressionKind::Field { name, .. } => matches!(name.as_str(), "out" | "err"),
+        _ => false,
+    }
 }
 
 /// Returns false if a value is certainly not of a Java library class.

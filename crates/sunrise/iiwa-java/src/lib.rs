@@ -62,6 +62,7 @@ mod type_names;
 mod unknown;
 mod value;
 mod variables;
+mod waiting_loops;
 
 pub use class_id::ClassId;
 pub use classes::{ClassName, Classes};

@@ -20,10 +20,10 @@ use crate::{
 };
 
 /// Parts of a loop iteration.
-struct LoopIteration<'s> {
-    condition: Option<&'s Expression>,
-    update: &'s [Expression],
-    body: &'s Statement,
+pub(crate) struct LoopIteration<'s> {
+    pub(crate) condition: Option<&'s Expression>,
+    pub(crate) update: &'s [Expression],
+    pub(crate) body: &'s Statement,
     /// `true` if the first iteration runs before the condition is tested.
     is_do: bool,
 }
@@ -89,17 +89,31 @@ impl Machine {
         let begin = self.host.progress();
         let mut before = (self.java.changes, begin);
         let mut turns = 0;
+        // Iterations before the first test of the condition.
+        let untested = usize::from(turn.is_do);
         loop {
             if !(turns == 0 && turn.is_do)
                 && let Some(condition) = turn.condition
             {
                 self.place.line = condition.line;
                 match self.condition(condition)? {
-                    Ok(true) => {}
+                    // The value that ended an earlier loop may not end this one.
+                    Ok(true) => {
+                        if turns == untested
+                            && self.is_ended_by_input(condition, turn.body, before.1)?
+                        {
+                            return self.passed_loop(turn, before.1);
+                        }
+                    }
+                    Ok(false) if turns == untested => return self.passed_loop(turn, before.1),
                     Ok(false) => return Ok(Flow::Next),
                     Err(unknown) => {
                         if self.is_ended_by_input(condition, turn.body, before.1)? {
-                            return Ok(Flow::Next);
+                            return if turns == untested {
+                                self.passed_loop(turn, before.1)
+                            } else {
+                                Ok(Flow::Next)
+                            };
                         }
                         self.place.line = statement.line;
                         return self.passed_over(std::iter::once(statement), "loop", &unknown);
@@ -121,6 +135,21 @@ impl Machine {
                 self.evaluated(update)?;
             }
         }
+    }
+
+    /// Ends a loop at the first test of its condition.
+    fn passed_loop(
+        &mut self,
+        turn: &LoopIteration<'_>,
+        before: HostCounts,
+    ) -> Result<Flow, EvaluationStop> {
+        if self.host.progress().asked > before.asked
+            && !self.effects_of(std::iter::once(turn.body)).moves()
+        {
+            let hindrance = self.more_than_wait(turn);
+            Rc::clone(&self.host).passed_loop(self, before.asked, hindrance)?;
+        }
+        Ok(Flow::Next)
     }
 
     /// Ends the evaluation if a loop, whose condition is true after an iteration, is endless;
@@ -162,7 +191,7 @@ impl Machine {
                 Some(answers) => self.reject(format!("the loop waits for {answers}")),
                 None => self.reject(
                     "the loop never ends: nothing that its condition depends on changes in it; \
-                     what a key, a thread or an observer would change is not evaluated",
+                     changes by a key, a thread or an observer are not evaluated",
                 ),
             };
         }
@@ -189,6 +218,11 @@ impl Machine {
         body: &Statement,
         before: HostCounts,
     ) -> Result<bool, EvaluationStop> {
+        let is_about_an_input = self.host.suppose(before.asked, Some(true));
+        self.host.suppose(before.asked, None);
+        if !is_about_an_input {
+            return Ok(false);
+        }
         let effects = self.effects_of_expression(condition);
         let is_pure = !effects.acts() && effects.assigns.is_empty() && effects.changes.is_empty();
         if !is_pure || self.effects_of(std::iter::once(body)).moves() {

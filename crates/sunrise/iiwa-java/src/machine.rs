@@ -72,6 +72,22 @@ pub trait Host {
     /// Keeps the supposed answer from here on.
     fn settle(&self);
 
+    /// Reports that a loop without motions ended at the first test of its condition; the questions
+    /// since `asked` are those of the condition. `hindrance` is the reason why the loop does more
+    /// than wait for one answer, if any.
+    ///
+    /// # Errors
+    ///
+    /// If the evaluation ends here.
+    fn passed_loop(
+        &self,
+        _machine: &mut Machine,
+        _asked: usize,
+        _hindrance: Option<&'static str>,
+    ) -> Result<(), EvaluationStop> {
+        Ok(())
+    }
+
     /// Describes the answers since `asked` that keep a loop running, such as "the input `A.B`,
     /// which is given as false".
     fn answers_since(&self, asked: usize) -> Option<String>;

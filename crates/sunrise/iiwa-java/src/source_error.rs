@@ -53,6 +53,6 @@ pub enum SourceFault {
     #[error("{0}")]
     Syntax(String),
     /// The parser returned no result.
-    #[error("the parser came to no result: {0}")]
+    #[error("the parser failed: {0}")]
     Parser(String),
 }

@@ -258,7 +258,7 @@ impl Machine {
                     _ => Ok(Slot::Elsewhere),
                 }
             }
-            _ => self.reject("a value is assigned to what is not a variable"),
+            _ => self.reject("a value is assigned to an expression that is not a variable"),
         }
     }
 

@@ -46,6 +46,7 @@ mod robot_choice;
 mod robot_value;
 mod robotics;
 mod schedule;
+mod signals;
 mod spot;
 mod station;
 mod station_host;

@@ -150,7 +150,7 @@ impl ImportedCell {
         }
         let is_default = |path: &String| Some(path) == template.default_frame.as_ref();
         let default = entries.iter().position(|(path, ..)| is_default(path)).unwrap_or(0);
-        let mut tool = Tool { load: template.load, ..Tool::default() };
+        let mut tool = Tool { load: template.load.map(Into::into), ..Tool::default() };
         let mut imported = ImportedTool { name: name.to_owned(), tcp: None, tips: Vec::new() };
         let mut tcps = Tcps::new();
         for (index, (path, from, tip, frame)) in entries.into_iter().enumerate() {

@@ -9,10 +9,14 @@ mod identifier;
 mod imports;
 mod literal;
 mod loads;
+mod loops;
+mod signals;
 mod tools;
 
+use std::collections::BTreeSet;
+
 use iiwa_kin::{Joints, Mount, Robot};
-use iiwa_program::{Motion, MotionIndex, OperatingMode, Program};
+use iiwa_program::{IoEntry, IoKind, Motion, MotionIndex, OperatingMode, Program};
 
 use crate::data_file::ProcessData;
 
@@ -41,7 +45,9 @@ pub struct ExportOptions {
 /// use iiwa_program::Program;
 /// use iiwa_sunrise::{ExportOptions, ExportedProject};
 ///
-/// let program = Program::from_deg([0.0; 7]).ptp_deg([0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0]).build();
+/// let program = Program::from_deg([0.0; 7])
+///     .ptp_deg([0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0])
+///     .build();
 /// let options = ExportOptions { name: "go home".to_owned(), ..ExportOptions::default() };
 /// let project = ExportedProject::new(&program, &Robot::default(), &options)?;
 /// assert_eq!(project.java_file(), "src/application/GoHome.java");
@@ -84,8 +90,8 @@ impl ExportedProject {
     ///
     /// # Errors
     ///
-    /// [`ExportError`] if the program has a fault, or uses a feature without an equivalent call in
-    /// Sunrise; the error names the motion and the key.
+    /// [`ExportError`] if the program has a fault, or uses features without an equivalent call in
+    /// Sunrise; the error names all such motions, each with the first such key.
     pub fn new(
         program: &Program,
         robot: &Robot,
@@ -138,6 +144,9 @@ fn device(robot: &Robot) -> String {
     if is_14 { "LBR_iiwa_14_R820_1" } else { "LBR_iiwa_7_R800_1" }.to_owned()
 }
 
+/// Notice on the shapes of a load.
+const SHAPES: &str = "Sunrise loads have no shapes: they are left out";
+
 /// Reports the settings of the whole program that the Java code does not contain.
 fn of_the_program(program: &Program) -> Vec<ExportNotice> {
     let workcell = &program.workcell;
@@ -165,25 +174,44 @@ fn of_the_program(program: &Program) -> Vec<ExportNotice> {
     let stops = |motion: &Motion| match motion {
         Motion::Ptp(ptp) => ptp.blend.is_none() && !ptp.blocking,
         Motion::Cartesian(cartesian) => cartesian.blend.is_none() && !cartesian.blocking,
-        Motion::Wait { .. } | Motion::Load(_) => false,
+        Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => false,
     };
     if program.entries().filter(|(_, motion)| stops(motion)).count() > 1 {
-        let message = "`move` waits for the end of a motion: the pause after it is longer than \
-            after one that is not `blocking`";
+        let message = "`move` waits for the end of a motion: the standstill after it is longer \
+            than after a motion that is not `blocking`";
         note(None, "blocking", message);
     }
     if let Some(last) = program.blend_at_the_end() {
         note(Some(last), "blend", "nothing follows that it could blend into: the arm stops");
     }
+    for (name, tool) in &workcell.tools {
+        if tool.load.as_ref().is_some_and(|load| !load.shapes.is_empty()) {
+            note(None, "shapes", &format!("{SHAPES} (tool `{name}`)"));
+        }
+    }
+    let mut outputs = BTreeSet::new();
     for (motion, entry) in program.entries() {
-        if let Motion::Load(Some(load)) = entry
-            && load.mass_kg <= 0.0
-        {
-            note(
-                Some(motion),
-                "load",
-                "Sunrise takes a load without mass for one that was not determined",
-            );
+        match entry {
+            Motion::Load(Some(load)) => {
+                if load.load.mass_kg <= 0.0 {
+                    let message = "Sunrise treats a load without mass as not determined";
+                    note(Some(motion), "load", message);
+                }
+                if !load.shapes.is_empty() {
+                    note(Some(motion), "shapes", SHAPES);
+                }
+            }
+            Motion::Io(IoEntry { kind: IoKind::Set, io, .. }) => {
+                outputs.insert(io);
+            }
+            Motion::Io(IoEntry { io, .. }) if outputs.contains(io) => {
+                let message = format!(
+                    "the program sets `{io}` before it waits for this signal: an import of the \
+                     project knows the value, and may reject the loop as endless"
+                );
+                note(Some(motion), "io", &message);
+            }
+            _ => {}
         }
     }
     notices

@@ -45,6 +45,18 @@ pub struct SourceFile {
     path: String,
     unit: Result<CompilationUnit, SourceError>,
     robots: Vec<RobotStatement>,
+    /// Stated durations in s, by line.
+    times: Vec<(usize, f64)>,
+}
+
+/// Returns the durations that the comments `// iiwasim: SECONDS s` at the ends of lines state.
+fn stated_times(text: &str) -> Vec<(usize, f64)> {
+    let time = |line: &str| {
+        let (_, comment) = line.rsplit_once("// iiwasim: ")?;
+        comment.trim_end().strip_suffix(" s")?.parse().ok()
+    };
+    let lines = text.lines().enumerate();
+    lines.filter_map(|(index, line)| Some((index + 1, time(line)?))).collect()
 }
 
 /// File `RoboticsAPI.data.xml` of a project, from which [`DataFile`](crate::DataFile) reads frames
@@ -223,14 +235,14 @@ impl Project {
 
 impl SourceFile {
     fn read(path: String, text: Result<String, SourceFault>) -> Self {
-        let (unit, robots) = match text {
-            Ok(text) => (iiwa_java::read(&path, &text), in_java(&path, &text)),
+        let (unit, robots, times) = match text {
+            Ok(text) => (iiwa_java::read(&path, &text), in_java(&path, &text), stated_times(&text)),
             Err(fault) => {
                 let error = SourceError { file: path.clone(), line: 1, column: 1, fault };
-                (Err(error), Vec::new())
+                (Err(error), Vec::new(), Vec::new())
             }
         };
-        Self { path, unit, robots }
+        Self { path, unit, robots, times }
     }
 
     /// Returns the path relative to the project folder, with `/`.
@@ -243,6 +255,13 @@ impl SourceFile {
     #[must_use]
     pub fn robots(&self) -> &[RobotStatement] {
         &self.robots
+    }
+
+    /// Returns the durations in s that comments of the file state, with their line numbers: `//
+    /// iiwasim: 0.5 s` at the end of a line.
+    #[must_use]
+    pub fn times(&self) -> &[(usize, f64)] {
+        &self.times
     }
 
     /// Returns the error if the file cannot be used.
@@ -310,12 +329,12 @@ impl ProjectReading {
 /// Reads a file, up to the maximum size.
 fn contents(path: &Path) -> Result<Vec<u8>, SourceFault> {
     let unreadable = |error: io::Error| SourceFault::Unreadable(error.to_string());
-    let file = fs::File::open(path).map_err(unreadable)?;
-    let metadata = file.metadata().map_err(unreadable)?;
-    // Reading a pipe, for example, could block forever.
-    if !metadata.is_file() {
+    // Opening or reading a pipe, for example, could block forever.
+    if !path.metadata().map_err(unreadable)?.is_file() {
         return Err(SourceFault::Unreadable("it is not an ordinary file".to_owned()));
     }
+    let file = fs::File::open(path).map_err(unreadable)?;
+    let metadata = file.metadata().map_err(unreadable)?;
     let mut bytes = Vec::new();
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if u64::try_from(bytes.len()).is_ok_and(|length| length <= MAX_BYTES) {

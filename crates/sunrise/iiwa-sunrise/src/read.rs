@@ -33,7 +33,7 @@ impl DataFile {
         let mut file = Self::default();
         let mut rest = SkippedEntries::default();
         if let Some(version) = root.attribute("version").filter(|version| *version != VERSION) {
-            let why = format!("the file may mean something else than those of version {VERSION}");
+            let why = format!("its entries may differ in meaning from those of version {VERSION}");
             rest.add(&format!("version {version}"), &why);
         }
         for part in &root.children {

@@ -174,7 +174,11 @@ fn objects_are_as_in_java() {
             double next() { return own + angle; }
             class Inner { double get() { return own; } }
             Inner inner() { return new Inner(); }
-            static double sum(double... all) { double s = 0; for (double a : all) s += a; return s; }
+            static double sum(double... all) {
+                double s = 0;
+                for (double a : all) s += a;
+                return s;
+            }
         }";
     let main = application(
         "interface Angle { double get(); }",

@@ -6,8 +6,8 @@ use std::{f64::consts::PI, fs, path::Path};
 
 use iiwa_kin::Robot;
 use iiwa_program::{
-    Blend, ByKind, CartesianMotion, Course, Frame, LimitKind, Motion, Program, Ptp, Start, Target,
-    TargetRef, ToolLimits, Workcell,
+    Blend, ByKind, CartesianMotion, Course, Frame, LimitKind, Motion, Program, Ptp, Sources, Start,
+    Target, TargetRef, ToolLimits, Workcell,
 };
 use iiwa_sunrise::{
     DataFile, ExportError, ExportOptions, ExportedProject, ImportedCell, TaughtRedundancy,
@@ -15,11 +15,11 @@ use iiwa_sunrise::{
 };
 use proptest::prelude::*;
 
-fn read(motions: &str) -> Program {
+pub(crate) fn read(motions: &str) -> Program {
     read_with("", motions)
 }
 
-fn read_with(cell: &str, motions: &str) -> Program {
+pub(crate) fn read_with(cell: &str, motions: &str) -> Program {
     let start = r#""start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] }"#;
     Program::from_json(&format!(r#"{{ "version": 1, {cell} {start}, "motions": [{motions}] }}"#))
         .unwrap()
@@ -29,7 +29,7 @@ fn export(program: &Program) -> ExportedProject {
     exported(program).unwrap()
 }
 
-fn exported(program: &Program) -> Result<ExportedProject, ExportError> {
+pub(crate) fn exported(program: &Program) -> Result<ExportedProject, ExportError> {
     let options = ExportOptions { name: "a program".to_owned(), class: None };
     ExportedProject::new(program, &Robot::default(), &options)
 }
@@ -47,7 +47,7 @@ fn java(program: &Program) -> String {
     run.split('\n').map(str::trim).collect::<Vec<_>>().join(" ").trim().to_owned()
 }
 
-const PTP: &str = r#"{ "type": "ptp", "joints_deg": [0, 30, 0, -70, 0, 80, 0] }"#;
+pub(crate) const PTP: &str = r#"{ "type": "ptp", "joints_deg": [0, 30, 0, -70, 0, 80, 0] }"#;
 
 #[test]
 fn a_program_is_a_project_that_people_read() {
@@ -69,9 +69,12 @@ fn motions_to_joints_have_shares_and_blends() {
     assert_eq!(
         statements(
             r#"{ "type": "ptp", "joints_rad": [0.1, 0.3, 0, -0.98, 0, 1.6, 0], "velocity_rel": 0.75,
-                 "acceleration_rel": [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 1], "blend": { "fraction": 0.25 } },
-               { "type": "ptp", "joints_deg": [0, 30, 0, -70, 0, 80, 0], "jerk_rel": 0.2, "blend": { "cart_mm": 20 } },
-               { "type": "ptp", "joints_deg": [0, 42, 0, -44, 0, 90, 0], "blend": { "sunrise_rel": 0.5 } },
+                 "acceleration_rel": [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 1],
+                 "blend": { "fraction": 0.25 } },
+               { "type": "ptp", "joints_deg": [0, 30, 0, -70, 0, 80, 0], "jerk_rel": 0.2,
+                 "blend": { "cart_mm": 20 } },
+               { "type": "ptp", "joints_deg": [0, 42, 0, -44, 0, 90, 0],
+                 "blend": { "sunrise_rel": 0.5 } },
                { "type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 0] }"#
         ),
         "lbr.moveAsync(ptp(0.1, 0.3, 0.0, -0.98, 0.0, 1.6, 0.0) .setJointVelocityRel(0.75) \
@@ -159,9 +162,11 @@ fn paths_of_the_tcp_have_all_their_limits() {
     let target =
         r#"{ "x_mm": 500, "y_mm": 100, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }"#;
     let lin = statements(&format!(
-        r#"{PTP}, {{ "type": "lin", "frame": {target}, "velocity_rel": 0.5, "orientation": "constant",
+        r#"{PTP}, {{ "type": "lin", "frame": {target}, "velocity_rel": 0.5,
+             "orientation": "constant",
              "cart_velocity_mm_s": 250, "cart_acceleration_mm_s2": 1500, "cart_jerk_mm_s3": 20000,
-             "orientation_velocity_deg_s": 60, "orientation_acceleration_deg_s2": 90, "orientation_jerk_deg_s3": 1000,
+             "orientation_velocity_deg_s": 60, "orientation_acceleration_deg_s2": 90,
+             "orientation_jerk_deg_s3": 1000,
              "blend": {{ "cart_mm": 20, "ori_deg": 10 }} }}, {PTP}"#
     ));
     assert!(
@@ -201,7 +206,8 @@ fn circles_and_splines_go_to_frames() {
     };
     let (a, b, c) = (frame_at(450.0, 50.0), frame_at(500.0, 0.0), frame_at(450.0, -50.0));
     let written = statements(&format!(
-        r#"{{ "type": "circ", "aux": {a}, "frame": {b}, "circ_angle_deg": 270, "orientation_reference": "path" }},
+        r#"{{ "type": "circ", "aux": {a}, "frame": {b}, "circ_angle_deg": 270,
+              "orientation_reference": "path" }},
            {{ "type": "spl", "frame": {c}, "cart_velocity_mm_s": 100 }},
            {{ "type": "spline", "segments": [
                 {{ "type": "spl", "frame": {a}, "orientation": "ignore" }},
@@ -220,20 +226,22 @@ fn circles_and_splines_go_to_frames() {
          lbr.move(new Spline( \
          spl(getApplicationData().getFrame(\"/P1_aux\")) \
          .setOrientationType(SplineOrientationType.Ignore), \
-         lin(getApplicationData().getFrame(\"/P1\")).setJointVelocityRel(0.3).setCartVelocity(50.0), \
+         lin(getApplicationData().getFrame(\"/P1\")).setJointVelocityRel(0.3)\
+         .setCartVelocity(50.0), \
          circ(getApplicationData().getFrame(\"/P2\"), getApplicationData().getFrame(\"/P1_aux\")) \
          .setOrientationReferenceSystem(OrientationReferenceSystem.Base)) \
          .setOrientationType(SplineOrientationType.Constant) .setCartVelocity(200.0));"
     );
 }
 
-const TOOLS: &str = r#""tools": {
-    "gripper": { "tcp": { "z_mm": 120 }, "tips": { "left": { "y_mm": 40, "z_mm": 120 } }, "load": { "mass_kg": 1.2 } },
+pub(crate) const TOOLS: &str = r#""tools": {
+    "gripper": { "tcp": { "z_mm": 120 }, "tips": { "left": { "y_mm": 40, "z_mm": 120 } },
+                 "load": { "mass_kg": 1.2 } },
     "probe": { "tcp": { "z_mm": 80 } },
     "welder": { "tcp": { "z_mm": 200 }, "load": { "mass_kg": 3, "center_mm": [0, 0, 90] } } },
   "tool": "gripper","#;
 
-fn relative_lift(tool: &str) -> String {
+pub(crate) fn relative_lift(tool: &str) -> String {
     format!(r#"{{ "type": "lin_rel", "offset": {{ "z_mm": -10 }}, "tool": "{tool}" }}"#)
 }
 
@@ -299,69 +307,23 @@ fn a_load_that_is_picked_up_is_a_tool_that_holds_it() {
 }
 
 #[test]
-fn keys_without_a_sunrise_call_are_rejected() {
-    let frame = r#"{ "x_mm": 450, "y_mm": 50, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }"#;
-    let other = r#"{ "x_mm": 500, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0 }"#;
-    let cases = [
-        (r#"{ "type": "lin_rel", "offset": { "z_mm": 1 }, "e1_deg": 3 }"#.to_owned(), "e1_deg"),
-        (
-            format!(
-                r#"{{ "type": "circ", "aux": {frame}, "frame": {other}, "aux_orientation": "ignore" }}"#
-            ),
-            "aux_orientation",
-        ),
-        (
-            format!(
-                r#"{{ "type": "circ", "aux": {frame}, "frame": {other}, "circ_angle_deg": 90, "end_orientation": "extrapolate" }}"#
-            ),
-            "end_orientation",
-        ),
-        (
-            format!(
-                r#"{{ "type": "ptp", "joints_deg": [0,0,0,0,0,0,0], "blend": {{ "fraction": 0.02 }} }}, {PTP}"#
-            ),
-            "blend",
-        ),
-        (
-            format!(
-                r#"{{ "type": "lin", "frame": {frame}, "tool": "probe", "blend": {{ "cart_mm": 20 }} }}, {}"#,
-                relative_lift("gripper")
-            ),
-            "blend",
-        ),
-    ];
-    for (motions, key) in cases {
-        let error = exported(&read_with(TOOLS, &format!("{PTP}, {motions}"))).unwrap_err();
-        let named = format!("motion 2: `{key}`: ");
-        assert!(error.to_string().starts_with(&named), "{error}");
-    }
-    let mut limited = CartesianMotion::new(Course::Ptp { to: Frame::default().into() });
-    limited.tool_limits.way[LimitKind::Velocity] = 0.1;
-    let mut program = read(PTP);
-    program.motions.push(Motion::Cartesian(Box::new(limited)));
-    assert!(matches!(exported(&program), Err(ExportError::NotInSunrise { key: "frame", .. })));
-    program.motions = vec![Motion::Cartesian(Box::new(CartesianMotion::new(Course::Lin {
-        to: TargetRef::Named("nowhere".to_owned()),
-    })))];
-    let error = exported(&program).unwrap_err().to_string();
-    assert_eq!(error, "motion 1: `frame`: unknown frame `nowhere`; the program names none");
-    program.motions.clear();
-    assert!(matches!(exported(&program), Err(ExportError::Fault(_))));
-    let named = |class: &str| ExportOptions { name: String::new(), class: Some(class.to_owned()) };
-    ExportedProject::new(&read(PTP), &Robot::default(), &named("new")).unwrap_err();
-    let welding = ExportedProject::new(&read(PTP), &Robot::default(), &named("Welding")).unwrap();
-    assert!(welding.java.contains("public class Welding extends"));
-}
-
-#[test]
 fn names_are_valid_in_java_and_xml() {
     let program = read_with(
-        r#""tools": { "new \"tool\" <&>": { "tcp": {}, "tips": { "TCP": {}, "a/b": { "z_mm": 1 } } }, "greifer_ü": { "tcp": {} } },
-           "bases": { "Tisch \"1\"": {}, "A": { "base": "Tisch \"1\"" }, "A/B": { "base": "A", "x_mm": 1 } },
-           "frames": { "A/B": { "base": "A", "x_mm": 1, "y_mm": 0, "z_mm": 0, "a_deg": 0, "b_deg": 0, "c_deg": 0 },
-                       "P\\u/1": { "base": "A/B", "x_mm": 2, "y_mm": 0, "z_mm": 0, "a_deg": 0, "b_deg": 0, "c_deg": 0 } },
+        r#""tools": {
+             "new \"tool\" <&>": { "tcp": {}, "tips": { "TCP": {}, "a/b": { "z_mm": 1 } } },
+             "greifer_ü": { "tcp": {} } },
+           "bases": {
+             "Tisch \"1\"": {},
+             "A": { "base": "Tisch \"1\"" },
+             "A/B": { "base": "A", "x_mm": 1 } },
+           "frames": {
+             "A/B": { "base": "A", "x_mm": 1, "y_mm": 0, "z_mm": 0,
+                      "a_deg": 0, "b_deg": 0, "c_deg": 0 },
+             "P\\u/1": { "base": "A/B", "x_mm": 2, "y_mm": 0, "z_mm": 0,
+                         "a_deg": 0, "b_deg": 0, "c_deg": 0 } },
            "tool": "new \"tool\" <&>/TCP", "#,
-        r#"{ "type": "lin", "frame": "A/B" }, { "type": "lin", "frame": "P\\u/1", "tool": "new \"tool\" <&>/a/b" },
+        r#"{ "type": "lin", "frame": "A/B" },
+           { "type": "lin", "frame": "P\\u/1", "tool": "new \"tool\" <&>/a/b" },
            { "type": "lin", "frame": "A/B", "tool": "greifer_ü" }"#,
     );
     let project = export(&program);
@@ -373,8 +335,8 @@ fn names_are_valid_in_java_and_xml() {
          \\\"1\\\"/A/B\")));",
         "newTool.getFrame(\"/a_b\").move(lin(getApplicationData().getFrame(\"/Tisch \
          \\\"1\\\"/A/B/P\\\\u_1\")));",
-        "greifer.getFrame(\"/TCP\").move(",
-        "greifer = getApplicationData().createFromTemplate(\"greifer_\\u00fc\");",
+        "greiferUe.getFrame(\"/TCP\").move(",
+        "greiferUe = getApplicationData().createFromTemplate(\"greifer_\\u00fc\");",
     ] {
         assert!(project.java.contains(part), "{part} in {}", project.java);
     }
@@ -389,6 +351,41 @@ fn names_are_valid_in_java_and_xml() {
 }
 
 #[test]
+fn names_and_comments_are_comment_lines() {
+    let text = r#"
+        { "type": "ptp", "joints_deg": [0, 30, 0, -70, 0, 80, 0], "name": "approach */ \\u000a x",
+          "comment": "first line\r\n\n\tsecond }", "blend": { "fraction": 0.2 } },
+        { "type": "wait", "seconds": 0.5, "overlap": true, "name": "overlapping" },
+        { "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0], "group": "none" },
+        { "type": "wait", "seconds": 0.1, "name": "pause" },
+        { "type": "load", "load": { "mass_kg": 1 }, "name": "grip" },
+        { "type": "ptp", "joints_deg": [0, 40, 0, -60, 0, 90, 0], "name": "Glühofen 溶接" },
+        { "type": "load", "load": null, "comment": "nothing follows" }"#;
+    let labelled = read(text);
+    let java = export(&labelled).java;
+    let above = |statement: &str| {
+        let (before, _) = java.split_once(statement).unwrap();
+        let lines = before.lines().rev().skip(1).map(str::trim);
+        let mut comments: Vec<_> = lines.take_while(|line| line.starts_with("//")).collect();
+        comments.reverse();
+        comments
+    };
+    let first = ["// approach * / /u000a x", "// first line", "//  second }"];
+    assert_eq!(above("Math.toRadians(-70.0)"), first, "{java}");
+    assert_eq!(above("ThreadUtil.milliSleep(500L)"), ["// overlapping"], "{java}");
+    assert_eq!(above("ThreadUtil.milliSleep(100L)"), ["// pause"], "{java}");
+    assert_eq!(above("Math.toRadians(40.0)"), ["// Glühofen 溶接"], "{java}");
+    let order = ["// grip", ".attachTo(", "// Glühofen 溶接", "// nothing follows"];
+    let places = order.map(|part| java.find(part).unwrap());
+    assert!(places.is_sorted(), "{java}");
+    // Without the comments, the application is that of the program without labels.
+    let mut plain = labelled.clone();
+    plain.sources = Sources::default();
+    let statements: Vec<_> = java.lines().filter(|line| !line.trim().starts_with("//")).collect();
+    assert_eq!(statements, export(&plain).java.lines().collect::<Vec<_>>());
+}
+
+#[test]
 fn long_programs_are_divided_into_methods() {
     let project = export(&read(&vec![PTP; 130].join(",")));
     assert!(project.java.contains(
@@ -397,6 +394,64 @@ fn long_programs_are_divided_into_methods() {
          part1() {\n"
     ));
     assert_eq!(project.java.matches("lbr.move(").count(), 130);
+}
+
+#[test]
+fn repeat_blocks_are_loops() {
+    let ptp = |a4_deg: i32, more: &str| {
+        format!(r#"{{ "type": "ptp", "joints_deg": [0, 30, 0, {a4_deg}, 0, 80, 0]{more} }}"#)
+    };
+    let wait = r#"{ "type": "wait", "seconds": 0.5 }"#;
+    let inner =
+        format!(r#"{{ "type": "repeat", "count": 2, "motions": [{}, {wait}] }}"#, ptp(-60, ""));
+    let block = |count: u32, motions: &[&str]| {
+        let motions = motions.join(", ");
+        format!(
+            r#"{{ "type": "repeat", "count": {count}, "name": "stack", "motions": [{motions}] }}"#
+        )
+    };
+    let nested = block(3, &[&ptp(-70, ""), &inner]);
+    assert_eq!(
+        export(&read(&nested)).java.split_once("void run() {\n").unwrap().1.trim_end(),
+        "        // stack
+        for (int round = 0; round < 3; round++) {
+            lbr.move(ptp(0.0, Math.toRadians(30.0), 0.0, Math.toRadians(-70.0), 0.0, \
+         Math.toRadians(80.0), 0.0));
+            for (int round2 = 0; round2 < 2; round2++) {
+                lbr.move(ptp(0.0, Math.toRadians(30.0), 0.0, Math.toRadians(-60.0), 0.0, \
+         Math.toRadians(80.0), 0.0));
+                ThreadUtil.milliSleep(500L);
+            }
+        }
+    }
+}"
+    );
+    // The last round ends with a stop, as nothing follows into which it could be blended.
+    let blend = r#", "blend": { "fraction": 0.2 }"#;
+    let blended = block(4, &[&ptp(-70, blend), &ptp(-60, blend)]);
+    let java = java(&read(&blended));
+    assert!(java.contains("round < 3;"), "{java}");
+    assert_eq!((java.matches("moveAsync(").count(), java.matches("move(").count()), (3, 1));
+    // Motions that overlap waits are awaited at the end of each round.
+    let overlap = r#"{ "type": "wait", "seconds": 0.5, "overlap": true }"#;
+    let overlapping = block(3, &[&ptp(-70, ""), overlap]);
+    let java = self::java(&read(&overlapping));
+    assert!(java.ends_with("ThreadUtil.milliSleep(500L); sent.await(); }"), "{java}");
+    // A tool that is picked up in each round.
+    let load = r#"{ "type": "load", "load": { "mass_kg": 1 } }"#;
+    let drop = r#"{ "type": "load", "load": null }"#;
+    let picking = block(3, &[load, &ptp(-70, ""), drop, &ptp(-60, "")]);
+    let java = self::java(&read(&format!("{PTP}, {picking}")));
+    assert_eq!((java.matches("attachTo").count(), java.matches("detach").count()), (1, 1));
+    // A long round is written out.
+    let long = vec![ptp(-70, ""); 70];
+    let long: Vec<_> = long.iter().map(String::as_str).collect();
+    let project = export(&read(&block(2, &long)));
+    assert_eq!(project.java.matches("lbr.move(").count(), 140);
+    // So is a block whose rounds have been changed.
+    let mut changed = read(&block(2, &[&ptp(-70, "")]));
+    changed.motions[1] = read(&ptp(-50, "")).motions.remove(0);
+    assert_eq!(self::java(&changed).matches("lbr.move(").count(), 2);
 }
 
 #[test]
@@ -417,14 +472,23 @@ fn the_data_file_says_for_which_robot_and_start_the_program_is() {
 #[test]
 fn a_cell_that_was_imported_comes_back() {
     let cell = r#"{ "version": 1,
-        "tools": { "Hand": { "tcp": { "z_mm": 150.1, "a_rad": 0.4 }, "tips": { "Jaw": { "x_mm": 1e-7 } },
-                   "load": { "mass_kg": 0.8, "center_mm": [1, 2, 60.3], "inertia_kg_m2": [0.001, 0.002, 0.003], "abc_deg": [0.1, 0.2, 0.3] } },
-                   "Nail": { "tcp": { "z_mm": 3 } } },
-        "bases": { "Bench": { "x_mm": 300.123, "z_mm": 100, "a_rad": 0.5 }, "Bench/Tray": { "base": "Bench", "x_mm": 5 } },
-        "frames": { "Bench/Pick": { "base": "Bench", "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_rad": 0.1, "b_rad": 3.1, "c_rad": 0, "e1_rad": 0.25, "status": 2, "turn": 35 },
-                    "Bench/Tray": { "base": "Bench", "x_mm": 5, "y_mm": 0, "z_mm": 0, "a_deg": 0, "b_deg": 0, "c_deg": 0, "status": 5 },
-                    "Bench/Tray/1": { "base": "Bench/Tray", "x_mm": 7, "y_mm": 0, "z_mm": 0, "a_deg": 0, "b_deg": 0, "c_deg": 0 },
-                    "Far": { "base": "robot", "x_mm": 7, "y_mm": 0, "z_mm": 0, "a_deg": 0, "b_deg": 0, "c_deg": 0, "e1_rad": 1 } } }"#;
+        "tools": {
+            "Hand": { "tcp": { "z_mm": 150.1, "a_rad": 0.4 }, "tips": { "Jaw": { "x_mm": 1e-7 } },
+                "load": { "mass_kg": 0.8, "center_mm": [1, 2, 60.3],
+                    "inertia_kg_m2": [0.001, 0.002, 0.003], "abc_deg": [0.1, 0.2, 0.3] } },
+            "Nail": { "tcp": { "z_mm": 3 } } },
+        "bases": {
+            "Bench": { "x_mm": 300.123, "z_mm": 100, "a_rad": 0.5 },
+            "Bench/Tray": { "base": "Bench", "x_mm": 5 } },
+        "frames": {
+            "Bench/Pick": { "base": "Bench", "x_mm": 1, "y_mm": 2, "z_mm": 3,
+                "a_rad": 0.1, "b_rad": 3.1, "c_rad": 0, "e1_rad": 0.25, "status": 2, "turn": 35 },
+            "Bench/Tray": { "base": "Bench", "x_mm": 5, "y_mm": 0, "z_mm": 0,
+                "a_deg": 0, "b_deg": 0, "c_deg": 0, "status": 5 },
+            "Bench/Tray/1": { "base": "Bench/Tray", "x_mm": 7, "y_mm": 0, "z_mm": 0,
+                "a_deg": 0, "b_deg": 0, "c_deg": 0 },
+            "Far": { "base": "robot", "x_mm": 7, "y_mm": 0, "z_mm": 0,
+                "a_deg": 0, "b_deg": 0, "c_deg": 0, "e1_rad": 1 } } }"#;
     let workcell = Workcell::from_json(cell).unwrap();
     let program = Program { workcell: workcell.clone(), ..read(PTP) };
     let file = DataFile::from_xml(&export(&program).data_file).unwrap();
@@ -476,7 +540,12 @@ fn arguments(java: &str, method: &str) -> Vec<f64> {
 proptest! {
     #[test]
     fn joints_are_the_same_to_the_last_bit(
-        joints_rad in prop::array::uniform7(prop_oneof![-1.5..1.5, (-80_i32..80).prop_map(|deg| f64::from(deg).to_radians()), Just(-0.0), Just(5e-324)]),
+        joints_rad in prop::array::uniform7(prop_oneof![
+            -1.5..1.5,
+            (-80_i32..80).prop_map(|deg| f64::from(deg).to_radians()),
+            Just(-0.0),
+            Just(5e-324),
+        ]),
         share in 1e-6..1.0,
     ) {
         let mut program = read(PTP);
@@ -501,15 +570,22 @@ proptest! {
         let target = Target { e1_rad, ..Target::at(frame) };
         let mut lin = CartesianMotion::new(Course::Lin { to: TargetRef::Given(target) });
         lin.tool_limits = ToolLimits {
-            way: ByKind::from_fn(|kind| if kind == LimitKind::Velocity { 1e-3 * speed_mm_s } else { f64::INFINITY }),
-            turn: ByKind::from_fn(|kind| if kind == LimitKind::Jerk { turn_rad_s } else { f64::INFINITY }),
+            way: ByKind::from_fn(|kind| match kind {
+                LimitKind::Velocity => 1e-3 * speed_mm_s,
+                _ => f64::INFINITY,
+            }),
+            turn: ByKind::from_fn(|kind| match kind {
+                LimitKind::Jerk => turn_rad_s,
+                _ => f64::INFINITY,
+            }),
         };
         let mut program = read(PTP);
         program.motions.push(Motion::Cartesian(Box::new(lin)));
         let project = export(&program);
         let file = DataFile::from_xml(&project.data_file).unwrap();
         prop_assert_eq!(file.frames[0].frame, frame);
-        prop_assert_eq!(file.frames[0].redundancy.as_ref().and_then(|redundancy| redundancy.e1_rad), e1_rad);
+        let redundancy = file.frames[0].redundancy.as_ref();
+        prop_assert_eq!(redundancy.and_then(|redundancy| redundancy.e1_rad), e1_rad);
         prop_assert_eq!(1e-3 * arguments(&project.java, "setCartVelocity")[0], 1e-3 * speed_mm_s);
         prop_assert_eq!(arguments(&project.java, "setOrientationJerk"), [turn_rad_s]);
     }

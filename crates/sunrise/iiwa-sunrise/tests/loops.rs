@@ -29,8 +29,8 @@ fn a_loop_ends_when_its_condition_says_so() {
 #[test]
 fn a_loop_that_only_waits_is_not_the_cycle() {
     let cases = [
-        ("double a = 0.1; MOVE while (!go) { Thread.sleep(100); } MOVE", "a key, a thread"),
-        ("double a = 0.1; MOVE do { Thread.sleep(100); } while (!go); MOVE", "a key, a thread"),
+        ("double a = 0.1; MOVE while (!go) { Thread.sleep(100); } MOVE", "by a key, a thread"),
+        ("double a = 0.1; MOVE do { Thread.sleep(100); } while (!go); MOVE", "by a key, a thread"),
         // Either of two inputs would end the loop.
         (
             "double a = 0.1; MOVE while (!cell.getLeft() && !cell.getRight()) \
@@ -67,11 +67,14 @@ fn an_input_that_is_waited_for_has_its_value_from_there_on() {
         import.questions.iter().map(|question| (&*question.subject, &*question.answer)).collect();
     assert_eq!(asked[..2], [("Cell.Open", "false"); 2]);
     assert!(import.questions.iter().all(|question| !question.is_given));
-    // A second loop that waits for the opposite value would never end.
+    // A second loop may wait for the opposite value, which the input has from there on.
     let run = "double a = 0.1; while (!cell.getOpen()) Thread.sleep(100); while (cell.getOpen()) \
-        Thread.sleep(100); MOVE";
+        Thread.sleep(100); if (cell.getOpen()) { a = 0.2; } MOVE";
+    assert_eq!(joint_targets(members, &with_move(run)), [0.1]);
+    // A loop that waits for a given value never ends.
+    let run = "double a = 0.1; while (!cell.getOpen() || cell.getOpen()) Thread.sleep(100); MOVE";
     let message = refused_import(members, &with_move(run));
-    assert!(message.reason.contains("`Cell.Open`, which is taken as true"), "{}", message.reason);
+    assert!(message.reason.contains("`Cell.Open`, for which no value is given"), "{message:?}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 mod cases;
 mod evaluation;
 mod export;
+mod export_errors;
 mod functions;
 mod import;
 mod java_library;
@@ -12,3 +13,4 @@ mod project;
 mod projects;
 mod robots;
 mod round_trip;
+mod signals;

@@ -232,7 +232,7 @@ fn an_lbr_med_is_planned_as_an_iiwa_and_says_so() {
     )
     .unwrap();
     assert_eq!(robot(&import).0, LARGE);
-    assert!(import.notes[0].text.contains("its limits are the same is assumed"));
+    assert!(import.notes[0].text.contains("the same limits are assumed"));
 }
 
 #[test]
@@ -247,7 +247,8 @@ fn a_station_that_cannot_be_read_is_a_note() {
 fn an_exported_program_brings_its_robot_along() {
     let program = |robot: &str| {
         let text = format!(
-            r#"{{ "version": 1, "robot": "{robot}", "flange_mm": 126, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }},
+            r#"{{ "version": 1, "robot": "{robot}", "flange_mm": 126,
+                 "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }},
                  "motions": [{{ "type": "ptp", "joints_deg": [10, 20, 0, -30, 0, 40, 0] }}] }}"#
         );
         Program::from_json(&text).unwrap()

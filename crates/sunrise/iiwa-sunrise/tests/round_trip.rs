@@ -67,6 +67,26 @@ fn fixtures_come_back() {
     }
 }
 
+/// Repeat blocks are loops, which the import runs: the motions are those of all rounds.
+#[test]
+fn loops_come_back_as_their_motions() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../fixtures");
+    let text = fs::read_to_string(folder.join("glue-dots.json")).unwrap();
+    let program = Program::from_json(&text).unwrap();
+    let project = exported(&program);
+    assert_eq!(project.java.matches("for (int").count(), 2, "{}", project.java);
+    let again = imported(&project);
+    let mut unrolled = program.clone();
+    unrolled.sources.set_repeats(Vec::new());
+    let plain = imported(&exported(&unrolled));
+    assert_eq!((&again.motions, &again.workcell), (&plain.motions, &plain.workcell));
+    let [before, after] = [&program, &again].map(places);
+    assert_eq!(before.len(), after.len());
+    for (before, after) in before.iter().flatten().zip(after.iter().flatten()) {
+        assert!((before - after).abs() < 1e-9, "{before} {after}\n{}", project.java);
+    }
+}
+
 #[test]
 fn projects_come_back() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../fixtures/sunrise");
@@ -105,7 +125,8 @@ proptest! {
         if let Some(Motion::Ptp(last)) = motions.last_mut() {
             last.blend = None;
         }
-        if let Some(Motion::Ptp(before)) = position.checked_sub(1).and_then(|before_position| motions.get_mut(before_position)) {
+        let before = position.checked_sub(1).and_then(|position| motions.get_mut(position));
+        if let Some(Motion::Ptp(before)) = before {
             before.blend = None;
         }
         // Whole milliseconds, which Java's sleep represents exactly.

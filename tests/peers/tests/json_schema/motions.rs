@@ -16,7 +16,7 @@ fn written(program: &Program) -> Value {
 }
 
 proptest! {
-    /// What is written is what the schema asks for.
+    /// Written programs fit the schema.
     #[test]
     fn random_programs_fit(program in any_program()) {
         let json = written(&program);
@@ -40,8 +40,8 @@ fn splines_fit_when_they_are_written() {
         json!({ "x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm, "a_deg": 0, "b_deg": 180, "c_deg": 0 })
     };
     let circ = json!({
-        "type": "circ", "frame": frame(-100.0, 0.0), "aux": frame(-60.0, 40.0), "circ_angle_deg": 200.0,
-        "orientation_reference": "path"
+        "type": "circ", "frame": frame(-100.0, 0.0), "aux": frame(-60.0, 40.0),
+        "circ_angle_deg": 200.0, "orientation_reference": "path"
     });
     let text = json!({
         "version": 1,

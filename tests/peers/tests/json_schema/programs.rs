@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::{assert_fits, validator};
 use documents::{
     CELL, Documents, PROGRAM, bad_cells, fixtures, frame_programs, joint_programs, load_programs,
-    with_schema_key,
+    repeat_programs, with_schema_key,
 };
 
 fn value(text: &str) -> Value {
@@ -54,6 +54,7 @@ fn refuses_programs_with_wrong_frames() {
 #[test]
 fn refuses_programs_with_wrong_loads() {
     assert_agrees(load_programs());
+    assert_agrees(repeat_programs());
 }
 
 #[test]
@@ -72,8 +73,10 @@ fn files_of_frames_agree() {
 fn with_wait(wait: &str, more: &str) -> String {
     format!(
         r#"{{ "version": 1, "start": {{ "joints_deg": [0, 0, 0, 0, 0, 0, 0] }}, "motions": [
-            {{ "type": "ptp", "joints_deg": [10, 0, 0, 0, 0, 0, 0], "blend": {{ "fraction": 0.2 }} }},
-            {{ "type": "ptp", "joints_deg": [15, 0, 0, 0, 0, 0, 0], "blend": {{ "fraction": 0.2 }} }},
+            {{ "type": "ptp", "joints_deg": [10, 0, 0, 0, 0, 0, 0],
+               "blend": {{ "fraction": 0.2 }} }},
+            {{ "type": "ptp", "joints_deg": [15, 0, 0, 0, 0, 0, 0],
+               "blend": {{ "fraction": 0.2 }} }},
             {{ "type": "wait", "seconds": 0.5, {wait} }},
             {{ "type": "ptp", "joints_deg": [20, 0, 0, 9, 0, 0, 0]{more} ] }}"#
     )
@@ -86,11 +89,28 @@ fn waits_and_sources_fit_when_they_are_written() {
         r#", "source": { "file": "A.java", "line": 1 } },
            { "type": "wait", "seconds": 0.25, "overlap": true },
            { "type": "load", "load": null, "source": { "file": "B.java", "line": 8 } },
-           { "type": "lin_rel", "offset": { "z_mm": 5 }, "source": { "file": "A.java", "line": 9 } }"#,
+           { "type": "lin_rel", "offset": { "z_mm": 5 },
+             "source": { "file": "A.java", "line": 9 } }"#,
     );
     let program = Program::from_json(&text).unwrap();
     assert_eq!(program.sources.iter().count(), 4);
     assert_fits(&validator(&Program::schema()), &value(&program.to_json()));
+}
+
+#[test]
+fn bounds_of_names_and_comments_agree() {
+    let schema = validator(&Program::schema());
+    let long = "ö".repeat(201);
+    let texts = ["", "a name", "ö", "a\\nb", "a\\rb", "a\\tb", "a\\u0000b", "a\\u0085b", &long];
+    for key in ["name", "comment", "group"] {
+        for text in texts {
+            let program = with_wait(&format!(r#""overlap": true, "{key}": "{text}""#), " }");
+            let is_valid = schema.is_valid(&value(&program));
+            assert_eq!(Program::from_json(&program).is_ok(), is_valid, "{key}: {text:?}");
+        }
+        let number = with_wait(&format!(r#""overlap": true, "{key}": 7"#), " }");
+        assert!(!schema.is_valid(&value(&number)) && Program::from_json(&number).is_err());
+    }
 }
 
 #[test]

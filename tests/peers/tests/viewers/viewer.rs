@@ -57,12 +57,12 @@ impl Viewer {
         viewer
     }
 
-    /// Whether a viewer more is turned away.
+    /// Returns true if one more viewer is rejected.
     pub(super) fn is_refused(address: SocketAddr) -> bool {
         Self::is_refused_with(address, "foxglove.sdk.v1")
     }
 
-    /// Whether one that offers this protocol alone is.
+    /// Returns true if a viewer that offers only this protocol is rejected.
     pub(super) fn is_refused_with(address: SocketAddr, protocol: &str) -> bool {
         let stream = TcpStream::connect(address).unwrap();
         stream.set_read_timeout(Some(LONG)).unwrap();

@@ -53,7 +53,7 @@ pub(crate) fn print(lines: u64) -> Result<bool> {
         .collect::<std::result::Result<Vec<_>, String>>()?;
     println!(
         "{} of {lines} random LINs (the others are refused); their duration over that of the \
-         planner, limits of acceleration:\n",
+         planner, acceleration limits:\n",
         compared.len()
     );
     println!("| | least | quartile | median | quartile | most |");

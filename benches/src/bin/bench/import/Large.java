@@ -121,7 +121,8 @@ public class Large extends RoboticsAPIApplication {
         Integer before = counts.get(box);
         counts.put(box, before == null ? 1 : before + 1);
         StringBuilder text = new StringBuilder(box).append(" part ").append(number);
-        text.append(String.format(" at %.1f, %.1f mm, %d", place.getX(), place.getY(), counts.get(box)));
+        text.append(
+            String.format(" at %.1f, %.1f mm, %d", place.getX(), place.getY(), counts.get(box)));
         log.add(text.toString());
     }
 }

@@ -140,10 +140,10 @@ impl fmt::Display for Tally {
         let clear = list(&self.clear);
         writeln!(f, "  worst ratios at an instant, rounding excluded, {clear}")?;
         writeln!(f, "  worst ratios over 1 ms {}", list(&self.means))?;
-        writeln!(f, "  worst ratios without limits of jerk {}", list(&self.swept))?;
+        writeln!(f, "  worst ratios without jerk limits {}", list(&self.swept))?;
         writeln!(
             f,
-            "  without limits of jerk, off a finer grid by {:.4} % ({})",
+            "  without jerk limits, off a finer grid by {:.4} % ({})",
             100.0 * self.coarse.value,
             self.coarse.index
         )?;

@@ -14,6 +14,7 @@ use crate::{
     input::{FileText, default_robot, find_robot},
     output,
     output_kind::OutputKind,
+    terminal,
 };
 
 /// File of a project with its frames and tools.
@@ -59,7 +60,11 @@ pub(super) fn run(options: &Import) -> Result<(), Failure> {
             robot.name()
         ));
     }
-    if options.json { output::print_json(&report) } else { output::print(&report.text()) }
+    if options.json {
+        output::print_json(&report)
+    } else {
+        output::print(&report.text(terminal::width()))
+    }
 }
 
 /// Finds the data file of the project in a folder, or below it: the nearest one; that of the

@@ -2,11 +2,11 @@
 
 use std::{fmt::Write as _, path::Path};
 
-use iiwa_report::table;
+use iiwa_report::{fitted, table};
 use iiwa_sunrise::{Application as Found, Import, ImportError};
 use serde::Serialize;
 
-use crate::{failure::Failure, output, sunrise::ApplicationArgs};
+use crate::{failure::Failure, output, sunrise::ApplicationArgs, terminal};
 
 #[derive(Serialize)]
 struct ListedApplication {
@@ -78,7 +78,7 @@ fn text(rows: &[ListedApplication]) -> String {
         let line = format!("{}:{}", row.file, row.line);
         table.add_row([row.application.clone(), motions, row.questions.to_string(), line]);
     }
-    let mut text = format!("{table}\n");
+    let mut text = format!("{}\n", fitted(table, terminal::width()));
     for row in rows {
         if let Some(reason) = &row.refused {
             let _ = write!(text, "\n{} cannot be planned ahead. {reason}\n", row.application);

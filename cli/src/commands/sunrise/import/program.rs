@@ -82,7 +82,7 @@ fn write_data(
     if !matches!(application.project.data(), ProjectData::Absent) {
         let all: Vec<_> = missing.iter().map(ToString::to_string).collect();
         return Err(Failure::input(format!(
-            "{}: the project has a data file, which lacks {}: add them there, with what it has",
+            "{}: the project has a data file, which lacks {}: add these entries to that file",
             folder.display(),
             all.join(", ")
         )));

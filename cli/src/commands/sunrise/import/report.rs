@@ -4,10 +4,12 @@ use std::{fmt::Write as _, path::Path};
 
 use iiwa_json::printable;
 use iiwa_program::{Motion, Program, Source};
-use iiwa_report::table;
+use iiwa_report::{fitted, table};
 use iiwa_sunrise::{Import, ImportNote, RefusedImport};
 use iiwa_sunrise::{Question, QuestionKind, RobotStatement};
 use serde::Serialize;
+
+use crate::terminal;
 
 /// Number of motions shown at the start and at the end of a long program.
 const SHOWN: usize = 100;
@@ -116,10 +118,10 @@ impl ProgramReport {
                     let line = format!("{}:{}", printable(&row.file), row.line);
                     table.add_row([row.index.to_string(), row.kind.to_owned(), line]);
                 } else if place == SHOWN {
-                    table.add_row(["...".to_owned(), format!("{hidden} more with --json")]);
+                    table.add_row(["...".to_owned(), format!("{hidden} more")]);
                 }
             }
-            let _ = writeln!(text, "{table}");
+            let _ = writeln!(text, "{}", fitted(table, terminal::width()));
         }
         if !self.questions.is_empty() {
             let mut table = table(&["question", "answer", "option"]);
@@ -130,7 +132,7 @@ impl ProgramReport {
                     if question.is_given { String::new() } else { printable(&question.option()) },
                 ]);
             }
-            let _ = write!(text, "\n{table}\n");
+            let _ = write!(text, "\n{}\n", fitted(table, terminal::width()));
         }
         for note in &self.notes {
             let _ = write!(
@@ -156,23 +158,13 @@ fn flange_mm(program: &Program) -> Option<f64> {
     program.workcell.flange_m.map(|length_m| (1e6 * length_m).round() / 1e3)
 }
 
-/// Returns the type of a motion in programs.
-fn kind(motion: &Motion) -> &'static str {
-    match motion {
-        Motion::Ptp(_) => "ptp",
-        Motion::Cartesian(cartesian) => cartesian.name(),
-        Motion::Wait { .. } => "wait",
-        Motion::Load(_) => "load",
-    }
-}
-
 fn rows(program: &Program) -> Vec<MotionRow> {
     let row = |(index, motion): (iiwa_program::MotionIndex, &Motion)| {
         let (file, line) = match program.sources.of(index) {
             Some(Source { file, line }) => (file.clone(), *line),
             None => (String::new(), 0),
         };
-        MotionRow { index: index.number(), kind: kind(motion), file, line }
+        MotionRow { index: index.number(), kind: motion.motion_type().name(), file, line }
     };
     program.entries().map(row).collect()
 }

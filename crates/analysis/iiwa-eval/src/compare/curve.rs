@@ -81,6 +81,19 @@ impl Curve {
         self.arc_rad[interval] + norm(&sub(&q, &self.knots[interval].q))
     }
 
+    /// Returns the position at a length.
+    pub(crate) fn at_arc(&self, arc_rad: f64) -> Joints {
+        let interval = self.interval_at_arc(arc_rad);
+        let (a, b) = (&self.knots[interval], &self.knots[interval + 1]);
+        let length = self.arc_rad[interval + 1] - self.arc_rad[interval];
+        if length <= 0.0 {
+            return a.q;
+        }
+        let unit = scale(1.0 / length, &sub(&b.q, &a.q));
+        let x = self.along(interval, &unit).solve(arc_rad - self.arc_rad[interval]);
+        self.in_interval(interval, a.t_s + x * (b.t_s - a.t_s)).0
+    }
+
     /// Returns position and velocity at a time.
     pub(crate) fn at(&self, t_s: f64) -> (Joints, Joints) {
         self.in_interval(self.interval_at(t_s), t_s)

@@ -23,6 +23,10 @@ const WAY_RAD: f64 = 3e-3;
 /// Distance from the planned position up to which a rest belongs to the stop, in rad.
 pub(super) const STANDS_RAD: f64 = 5e-3;
 
+/// Largest constant offset of a recording at a stop, in rad: the largest distance from the plan's
+/// start at which a program is found in a recording.
+const OFFSET_RAD: f64 = super::follow::ENDS_RAD;
+
 /// Distance from the path, in rad, above which (if also above the noise) the robot does not track
 /// its set-points exactly.
 const TRACKS_RAD: f64 = 5e-6;
@@ -53,6 +57,8 @@ pub(crate) struct Edge {
     pub(crate) gap_s: (f64, f64),
     /// `true` if a rest was recorded.
     pub(crate) stands: bool,
+    /// Distance of the recorded rest from the planned position, in rad.
+    pub(crate) offset_rad: f64,
 }
 
 /// Stop in the plan.
@@ -77,6 +83,9 @@ pub(crate) struct Unclear {
     pub(crate) t_s: f64,
     /// Distance of that sample, in rad.
     pub(crate) distance_rad: f64,
+    /// Rest far from the planned position: its time, in s of the recording, and its distance, in
+    /// rad.
+    pub(crate) rest_elsewhere: Option<(f64, f64)>,
 }
 
 impl PlannedStop<'_> {
@@ -92,23 +101,39 @@ impl PlannedStop<'_> {
         let away = |i: &usize| distance(&log.q_rad[*i], &planned);
         let nearest = samples.clone().min_by(|a, b| away(a).total_cmp(&away(b)));
         let Some(nearest) = nearest else {
-            return Err(Unclear { t_s: f64::NAN, distance_rad: f64::INFINITY });
+            let (t_s, distance_rad) = (f64::NAN, f64::INFINITY);
+            return Err(Unclear { t_s, distance_rad, rest_elsewhere: None });
         };
-        let unclear = Unclear { t_s: log.t_s[nearest], distance_rad: away(&nearest) };
         let near = away(&nearest) + STANDS_RAD + 20.0 * noise.norm_rad();
         let from = samples.clone().find(|i| away(i) <= near).unwrap_or(nearest);
-        let to = samples.rev().find(|i| away(i) <= near).unwrap_or(nearest) + 1;
-        let stand = |sway_rad| {
-            let (rest, index) = self.stand(log, from..to, noise, &planned, sway_rad)?;
-            Some((rest, index, true))
+        let to = samples.clone().rev().find(|i| away(i) <= near).unwrap_or(nearest) + 1;
+        let stand = |range, sway_rad| self.stand(log, range, noise, &planned, sway_rad);
+        let [still, swaying @ ..] = SWAYS_RAD;
+        let at_stop = stand(from..to, still);
+        // With a constant offset of the recording, the robot may pass the planned position in
+        // motion: its rest is then farther away than the nearest samples.
+        let beside = if at_stop.is_none() { stand(samples, still) } else { None };
+        let is_offset = |rest: &Joints| distance(rest, &planned) <= OFFSET_RAD;
+        let unclear = Unclear {
+            t_s: log.t_s[nearest],
+            distance_rad: away(&nearest),
+            rest_elsewhere: beside
+                .filter(|(rest, _)| !is_offset(rest))
+                .map(|(rest, index)| (log.t_s[index], distance(&rest, &planned))),
         };
+        let rests = |found: (Joints, usize)| (found.0, found.1, true);
         // The recording may be cut to the motion.
         let is_cut = unclear.distance_rad <= 1e-4 + 20.0 * noise.norm_rad();
-        let cut = || is_cut.then_some((planned, nearest, false));
-        let [still, swaying @ ..] = SWAYS_RAD;
-        let place = stand(still).or_else(cut).or_else(|| swaying.into_iter().find_map(stand));
+        let place = at_stop
+            .or_else(|| beside.filter(|(rest, _)| is_offset(rest)))
+            .map(rests)
+            .or_else(|| is_cut.then_some((planned, nearest, false)))
+            .or_else(|| swaying.into_iter().find_map(|sway| stand(from..to, sway)).map(rests));
         let (rest, index, stands) = place.ok_or(unclear)?;
-        self.ramp(log, knot, &rest, index, noise).map(|edge| Edge { stands, ..edge }).ok_or(unclear)
+        let offset_rad = distance(&rest, &planned);
+        self.ramp(log, knot, &rest, index, noise)
+            .map(|edge| Edge { stands, offset_rad, ..edge })
+            .ok_or(unclear)
     }
 
     /// Returns the node of the plan at the stop.
@@ -227,6 +252,7 @@ impl PlannedStop<'_> {
             deviation_s: line.deviation(sigma),
             gap_s: gap,
             stands: true,
+            offset_rad: 0.0,
         })
     }
 

@@ -7,7 +7,7 @@ use iiwa_program::MotionIndex;
 #[non_exhaustive]
 pub enum CompareError {
     /// The plan has no motion.
-    #[error("nothing moves in the plan")]
+    #[error("no joint moves in the plan")]
     PlanStands,
     /// The recording has too few samples.
     #[error("{samples} samples are in the recording; at least 4 are needed")]
@@ -104,8 +104,8 @@ pub enum CompareError {
     },
     /// The robot passes the start or the end of the program and rests elsewhere.
     #[error(
-        "the arm does not stand where the plan's {edge} is: at {t_s:.3} s of the recording it is \
-         {:.2} deg away from there",
+        "the arm is not at rest at the plan's {edge}: at {t_s:.3} s of the recording it is {:.2} \
+         deg away from there",
         .distance_rad.to_degrees()
     )]
     StandsElsewhere {
@@ -119,7 +119,7 @@ pub enum CompareError {
     /// The robot does not rest at the program's end.
     #[error(
         "the recorded motion does not end with the plan's: at {t_s:.3} s the arm is \
-         {distance_rad:.1e} rad from its end, and does not stand there"
+         {distance_rad:.1e} rad from its end, and not at rest"
     )]
     DoesNotStop {
         /// Time nearest to the end, in s of the recording.

@@ -12,7 +12,7 @@ use super::plan::{PlanLeg, PlannedTrajectory};
 use crate::noise::RecordingNoise;
 
 /// Largest distance of a rest from the plan's start or end, in rad.
-const ENDS_RAD: f64 = 0.05;
+pub(super) const ENDS_RAD: f64 = 0.05;
 
 /// Distance from a rest at which the robot has left it, in rad.
 pub(crate) const LEFT_RAD: f64 = 2e-4;

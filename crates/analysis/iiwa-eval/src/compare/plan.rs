@@ -1,10 +1,10 @@
 //! Plan that a recording is compared with.
 
-use std::io::Read;
+use std::{collections::BTreeMap, io::Read};
 
 use iiwa_kin::{Dynamics, Joints, Load, Mount, Robot};
 use iiwa_log::{PlanNode, PlanPiece, PlanRecord, PlanRecordError};
-use iiwa_program::{MotionIndex, MotionType, Program};
+use iiwa_program::{IoValue, MotionIndex, MotionType, Program};
 use iiwa_traj::{PieceKind, Trajectory};
 
 use super::curve::Curve;
@@ -16,6 +16,10 @@ pub struct PlannedTrajectory {
     pub(crate) curve: Curve,
     pub(crate) pieces: Vec<PlannedPiece>,
     types: Vec<(MotionIndex, MotionType)>,
+    /// Names of motions.
+    names: BTreeMap<MotionIndex, String>,
+    /// Inputs and outputs, with their values.
+    io: BTreeMap<MotionIndex, (String, IoValue)>,
     /// Payload during each motion, and mounting of the robot.
     loads: Vec<Option<Load>>,
     mount: Mount,
@@ -63,9 +67,16 @@ impl PlannedTrajectory {
         let types = (0..path.limits().len()).map(MotionIndex::new);
         let types = types.filter_map(|motion| Some((motion, path.motion_type(motion)?)));
         let types = types.collect();
+        let labels = path.sources().labels();
+        let names = labels.filter_map(|(motion, label)| Some((motion, label.name.clone()?)));
+        let names = names.collect();
+        let io = path
+            .io_entries_to(MotionIndex::new(path.limits().len()))
+            .map(|(motion, entry)| (motion, (entry.io.clone(), entry.value)))
+            .collect();
         let loads = (0..path.limits().len()).map(|i| path.load(MotionIndex::new(i)).copied());
         let (loads, mount) = (loads.collect(), *path.mount());
-        Self { types, loads, mount, ..Self::of(path.robot().clone(), knots, pieces) }
+        Self { types, names, io, loads, mount, ..Self::of(path.robot().clone(), knots, pieces) }
     }
 
     /// Reads a plan from an MCAP file written by [`PlanWriter`](iiwa_log::PlanWriter). The robot is
@@ -108,16 +119,37 @@ impl PlannedTrajectory {
             Some((index, MotionType::from_name(&motion.r#type)?))
         });
         let types = types.collect();
+        let names = motions.iter().filter_map(|motion| {
+            Some((MotionIndex::from_number(motion.index)?, motion.label.name.clone()?))
+        });
+        let names = names.collect();
+        let io = motions.iter().filter_map(|motion| {
+            let index = MotionIndex::from_number(motion.index)?;
+            Some((index, (motion.io.clone()?, motion.value?)))
+        });
+        let io = io.collect();
         let program = record.program.as_deref().and_then(|text| Program::from_json(text).ok());
         let (loads, mount) = program
             .map_or_else(Default::default, |program| (program.loads(), program.workcell.mount));
-        Ok(Self { types, loads, mount, ..Self::of(robot, record.nodes, pieces) })
+        Ok(Self { types, names, io, loads, mount, ..Self::of(robot, record.nodes, pieces) })
     }
 
     /// Returns the type of a motion; the default type (PTP) if the plan does not contain it.
     pub(crate) fn motion_type(&self, motion: MotionIndex) -> MotionType {
         let place = self.types.binary_search_by_key(&motion, |(motion, _)| *motion);
         place.map_or_else(|_| MotionType::default(), |place| self.types[place].1)
+    }
+
+    /// Name of a motion, if it has one.
+    #[must_use]
+    pub fn name_of(&self, motion: MotionIndex) -> Option<&str> {
+        self.names.get(&motion).map(String::as_str)
+    }
+
+    /// Input or output of an entry, and its value.
+    #[must_use]
+    pub fn io_of(&self, motion: MotionIndex) -> Option<(&str, IoValue)> {
+        self.io.get(&motion).map(|(io, value)| (io.as_str(), *value))
     }
 
     fn of(robot: Robot, mut knots: Vec<PlanNode>, pieces: Vec<PlannedPiece>) -> Self {
@@ -136,7 +168,8 @@ impl PlannedTrajectory {
             .all(|pair| pair[0].ddq.iter().all(|ddq| ddq.abs() <= 1e-6));
         let curve = Curve::new(knots, smooth);
         let (loads, mount) = (Vec::new(), Mount::default());
-        Self { robot, curve, pieces, types: Vec::new(), loads, mount }
+        let (types, names, io) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
+        Self { robot, curve, pieces, types, names, io, loads, mount }
     }
 
     /// Returns the robot of the plan.

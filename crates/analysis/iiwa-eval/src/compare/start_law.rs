@@ -2,7 +2,7 @@
 //!
 //! | acceleration | way |
 //! |---|---|
-//! | with constant jerk, then constant | t^3, then t^2: plans with limits of jerk |
+//! | with constant jerk, then constant | t^3, then t^2: plans with jerk limits |
 //! | with constant snap, then slower | t^4, then t^3: an LBR iiwa under Sunrise, see [`RampLaw`](iiwa_kin::RampLaw) |
 
 /// Law of a start.

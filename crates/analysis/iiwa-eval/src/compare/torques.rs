@@ -24,12 +24,12 @@ pub struct TorqueDifference {
     pub planned_peak_nm: Joints,
     /// Number of samples with torques.
     pub samples: usize,
-    /// `true` if the recording already has the sign of plans, not that of KUKA's controller.
+    /// `true` if the sign of the recorded torques is not that of their format, and was inverted.
     pub turned: bool,
 }
 
-/// Computes the differences over a range of samples with their matched planned times; none without
-/// torques.
+/// Computes the differences over a range of samples with their matched planned times; `None` if the
+/// recording has no torques.
 pub(super) fn differences(
     plan: &PlannedTrajectory,
     log: &JointLog,

@@ -79,7 +79,7 @@ pub fn load(load: &Load) -> [Trial; 2] {
             std::iter::once(transfer).chain(swings)
         });
         let mut program = program(start_rad, motions);
-        program.motions.insert(0, Motion::Load(load));
+        program.motions.insert(0, Motion::Load(load.map(Into::into)));
         let mass_kg = load.map_or(0.0, |load| load.mass_kg);
         Trial { name: format!("load-{mass_kg}-kg"), program }
     })

@@ -204,7 +204,7 @@ fn torque_rel(
     let [low, high] = swing.ends_rad;
     let plan = |from: Joints, to: Joints| {
         let mut program = program(from, [Ptp::to(to)]);
-        program.motions.insert(0, Motion::Load(Some(*load)));
+        program.motions.insert(0, Motion::Load(Some((*load).into())));
         let peaks = PlanOptions::with_timing(Timing::jerk_limited())
             .plan(&program, &robot)?
             .torques()

@@ -25,7 +25,7 @@ const AHEAD: usize = 12;
 /// path parameter.
 const MIN_WAY_M: f64 = 1e-3;
 
-/// Distance from the path, in m, above which the robot performs another motion.
+/// Distance from the path, in m, above which the robot counts as performing another motion.
 const ASTRAY_M: f64 = 0.02;
 
 /// Section of a recording: steps of its path, and samples.

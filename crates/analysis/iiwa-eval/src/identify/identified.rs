@@ -1,6 +1,6 @@
 //! Result of the identification of a robot.
 
-use iiwa_kin::Robot;
+use iiwa_kin::{Joint, Robot};
 
 use crate::{
     estimate::Estimate,
@@ -69,7 +69,8 @@ pub struct Settle {
 }
 
 impl Identified {
-    /// Returns `model` with all identified values.
+    /// Returns `model` with all identified values. The values that the recordings do not show are
+    /// those of the model, and are added to its [assumptions](Robot::assumptions).
     #[must_use]
     pub fn robot(&self, model: &Robot) -> Robot {
         let mut limits = *model.limits();
@@ -100,7 +101,51 @@ impl Identified {
             let friction = torques.friction(model.friction());
             robot = robot.with_friction(friction);
         }
+        let basis = format!("not shown by the recordings; taken from {}", model.name());
+        for quantity in self.missing() {
+            robot = robot.with_assumption(quantity, &*basis);
+        }
         robot
+    }
+
+    /// Quantities that the recordings do not show.
+    fn missing(&self) -> Vec<String> {
+        let joints = |estimates: &[Option<Estimate>; 7]| -> Vec<String> {
+            let estimates = Joint::ALL.into_iter().zip(estimates);
+            estimates.filter(|(_, it)| it.is_none()).map(|(joint, _)| joint.to_string()).collect()
+        };
+        let mut by_joint = vec![
+            ("velocity", joints(&self.velocity_rad_s)),
+            ("acceleration", joints(&self.acceleration_rad_s2)),
+            ("jerk", joints(&self.jerk_rad_s3)),
+        ];
+        if let Some(ramps) = &self.ramps {
+            by_joint.extend([
+                ("ramp snap", joints(&ramps.torque_snap_nm_s2)),
+                ("start ramps", joints(&ramps.start_nm_s)),
+                ("stop ramps", joints(&ramps.stop_nm_s)),
+            ]);
+        }
+        if let Some(torques) = &self.torques {
+            by_joint.extend([
+                ("viscous friction", joints(&torques.viscous_nm_s_rad)),
+                ("Coulomb friction", joints(&torques.coulomb_nm)),
+            ]);
+        }
+        let by_joint = by_joint.into_iter().filter(|(_, joints)| !joints.is_empty());
+        let by_joint = by_joint.map(|(quantity, joints)| match joints.len() {
+            7 => format!("{quantity} of all joints"),
+            _ => format!("{quantity} of {}", joints.join(", ")),
+        });
+        let others = [
+            ("ramps of all joints", self.ramps.is_none()),
+            ("settling time", self.settle.is_none()),
+            ("blend curve", self.kappa.is_none()),
+            ("blend curve of TCP paths", self.tcp_kappa.is_none() && self.kappa.is_none()),
+            ("friction", self.torques.is_none()),
+        ];
+        let others = others.into_iter().filter(|(_, missing)| *missing);
+        by_joint.chain(others.map(|(quantity, _)| quantity.to_owned())).collect()
     }
 }
 

@@ -19,17 +19,17 @@ pub struct LineObservation {
     pub to_rad: Joints,
     /// Start and end times, in s of the recording.
     pub time_s: [f64; 2],
-    /// Top speed along the way, in rad/s, if it was kept for a time.
+    /// Top speed along the line, in rad/s, if it was held for some time.
     pub speed_rad_s: Option<f64>,
-    /// Acceleration along the way, in rad/s^2, if it was kept for a time.
+    /// Acceleration along the line, in rad/s^2, if it was held for some time.
     pub acceleration_rad_s2: Option<f64>,
-    /// Jerk along the way, in rad/s^3, if it shows.
+    /// Jerk along the line, in rad/s^3, if the samples determine it.
     pub jerk_rad_s3: Option<f64>,
     /// Law that explains the motion.
     pub law: LineLaw,
     /// Root mean square residual of that law, in rad.
     pub residual_rad: f64,
-    /// Noise of the recording along the way, in rad.
+    /// Noise of the recording along the line, in rad.
     pub noise_rad: f64,
 }
 
@@ -42,7 +42,8 @@ impl LineObservation {
     }
 }
 
-/// Residual in rad that is never called unexplained: lag and friction of measured positions.
+/// Residual, in rad, up to which a motion always counts as explained: lag and friction of measured
+/// positions cause such residuals.
 const UNEXPLAINED_RAD: f64 = 2e-5;
 
 /// Law of acceleration and deceleration along a line.
@@ -142,9 +143,9 @@ impl CoursePart {
 impl std::fmt::Display for CoursePart {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::Path => "paths of the TCP",
-            Self::TcpBlend => "blends between paths of the TCP",
-            Self::JointBlend => "blends between joint space and a path of the TCP",
+            Self::Path => "TCP paths",
+            Self::TcpBlend => "blends between TCP paths",
+            Self::JointBlend => "blends between joint space and a TCP path",
         })
     }
 }
@@ -192,21 +193,21 @@ impl std::fmt::Display for Why {
             Self::TooFewSamples => f.write_str("too few samples"),
             Self::NoLine(left) => write!(
                 f,
-                "no motion along a line from rest to rest: {:.3} deg are left over",
+                "the motion does not fit a line from rest to rest: residual {:.3} deg",
                 left.to_degrees()
             ),
-            Self::NoBlend(left) => {
-                write!(f, "no blend of the iiwa's form: {:.3} deg are left over", left.to_degrees())
-            }
-            Self::NoTcpBlend(left) => {
-                write!(
-                    f,
-                    "no blend of the TCP of the iiwa's form: {:.3} mm are left over",
-                    1e3 * left
-                )
-            }
+            Self::NoBlend(left) => write!(
+                f,
+                "the path does not fit the blend curve of the iiwa: residual {:.3} deg",
+                left.to_degrees()
+            ),
+            Self::NoTcpBlend(left) => write!(
+                f,
+                "the TCP path does not fit the blend curve of the iiwa: residual {:.3} mm",
+                1e3 * left
+            ),
             Self::OffCourse(off) => {
-                write!(f, "the TCP is {:.1} mm away from where the program takes it", 1e3 * off)
+                write!(f, "the TCP is {:.1} mm away from the programmed path", 1e3 * off)
             }
         }
     }

@@ -26,8 +26,8 @@ use crate::identify::{
 /// by that time.
 const CRUISE_SHARE: f64 = 0.99;
 
-/// Largest residual of a motion along a line, or of a blend, in rad, beside a share of the way: the
-/// tracking error of robots.
+/// Largest residual of a motion along a line, or of a blend, in rad, in addition to a share of its
+/// length: the tracking error of robots.
 const LEFT_RAD: f64 = 1e-3;
 
 /// Largest residual at which constant jerk explains a motion: multiples of the noise, plus a

@@ -38,9 +38,9 @@ pub(super) struct Ramps {
     pub(super) start_s: Observed,
     /// End time, in s.
     pub(super) end_s: Observed,
-    /// Top speed, if it was kept for a time.
+    /// Top speed, if it was held for some time.
     pub(super) speed: Option<Observed>,
-    /// Acceleration, if it was kept for a time.
+    /// Acceleration, if it was held for some time.
     pub(super) acceleration: Option<Observed>,
     /// Jerk, if the jerk phase was long enough.
     pub(super) jerk: Option<Observed>,

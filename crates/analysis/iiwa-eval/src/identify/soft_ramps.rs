@@ -26,15 +26,16 @@ type SoftParameters = [f64; COUNT];
 /// Minimum duration in s of a phase that shows a limit.
 const SHOWN_S: f64 = 2e-3;
 
-/// Share of the acceleration above which a first phase shows no jerk limit.
+/// Share of the acceleration, reached in the first phase, above which the phase does not show a
+/// jerk limit.
 const WHOLE_SHARE: f64 = 0.98;
 
 /// Relative difference up to which a first phase counts as having the minimum width.
 const APART: f64 = 0.02;
 
-/// Initial values for ramps, beside the expected ones: the width of the first phase relative to the
-/// minimum, and the remaining share of the squared acceleration. The last phase has three forms,
-/// and a fit remains in the form of its initial value.
+/// Initial values for ramps, in addition to the expected ones: the width of the first phase
+/// relative to the minimum, and the remaining share of the squared acceleration. The last phase has
+/// three forms, and a fit remains in the form of its initial value.
 const STARTS: [[f64; 2]; 9] = [
     [1.02, 0.05],
     [1.02, 0.25],
@@ -53,18 +54,18 @@ const CLEAR_RAD: f64 = 1e-7;
 /// Number of samples that is sufficient to find the form.
 const ROUGHLY: usize = 160;
 
-/// Observed motion along a line; ways are those of the samples.
+/// Observed motion along a line, in the unit of the samples (rad).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SoftRamps {
     /// Start time, in s.
     pub(super) start_s: Observed,
     /// End time, in s.
     pub(super) end_s: Observed,
-    /// Top speed, if it was kept for a time.
+    /// Top speed, if it was held for some time.
     pub(super) speed: Option<Observed>,
-    /// Acceleration, if it was kept for a time.
+    /// Acceleration, if it was held for some time.
     pub(super) acceleration: Option<Observed>,
-    /// Results of both ramps, if acceleration was kept for a time.
+    /// Results of both ramps, if the acceleration was held for some time.
     pub(super) ends: Option<[SoftEnd; 2]>,
     /// Root mean square residual of the model.
     pub(super) residual: f64,
@@ -181,8 +182,9 @@ impl FitModel<COUNT> for SoftSamples<'_> {
 
 impl SoftRamps {
     /// Fits a way from rest to rest that is expected to be about `line`, with its middle at
-    /// `middle_s`; none if the motion has another form. A fit with a residual of at most `enough`
-    /// is not improved further, nor is one with an initial residual above `worth`.
+    /// `middle_s`. Returns `None` if the motion has another form, or if the residual of the first
+    /// fit is above `worth`. If `enough` is at most [`CLEAR_RAD`], a fit with a residual of at most
+    /// `enough` is not improved further.
     pub(super) fn fit(
         t_s: &[f64],
         way: &[f64],

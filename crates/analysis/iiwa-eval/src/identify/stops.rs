@@ -60,6 +60,8 @@ fn planned(path: &JointPath) -> Vec<PlannedSection> {
     let overlaps = |motion: &MotionIndex| {
         path.overlapping_waits().binary_search_by_key(motion, |wait| wait.motion).is_ok()
     };
+    // The real time of an input or output is unknown, whichever time is assumed.
+    let is_signal = |motion: &MotionIndex| path.io(*motion).is_some();
     for (i, step) in path.steps().iter().enumerate() {
         match step {
             Step::Move { segment, .. } => {
@@ -82,9 +84,9 @@ fn planned(path: &JointPath) -> Vec<PlannedSection> {
                     section.settles += 1;
                 }
             }
-            Step::Wait { motion, .. } if overlaps(motion) => {
-                // The rest for this wait depends on the start times of motions: the settle time
-                // cannot be separated.
+            Step::Wait { motion, .. } if overlaps(motion) || is_signal(motion) => {
+                // The rest for this wait depends on the start times of motions, or on a signal: the
+                // settle time cannot be separated.
                 if let Some(section) = sections.last_mut() {
                     section.settles = 0;
                 }
@@ -252,4 +254,32 @@ fn slowest(log: &JointLog, within: Range<usize>) -> usize {
     (begin + width..(end + 1).saturating_sub(width))
         .min_by(|a, b| way(*a).total_cmp(&way(*b)))
         .unwrap_or(within.start)
+}
+
+#[cfg(test)]
+mod tests {
+    use iiwa_kin::Robot;
+    use iiwa_program::{IoEntry, IoValue, Motion, Program, Ptp};
+
+    use super::*;
+
+    #[test]
+    fn the_rest_at_a_signal_is_not_a_settling() {
+        let value = IoValue::Boolean(true);
+        for (entry, settles) in [
+            (Motion::Wait { seconds: 0.2, overlap: 0 }, [1, 1]),
+            (Motion::Io(IoEntry::wait_for("A.B", value, 0.4)), [0, 1]),
+            (Motion::Io(IoEntry::wait_for("A.B", value, 0.0)), [0, 1]),
+            (Motion::Io(IoEntry::set("A.B", value)), [0, 1]),
+        ] {
+            let ptp = |a1_rad: f64| Motion::Ptp(Ptp::to([a1_rad, 0.5, 0.0, -1.0, 0.0, 1.5, 0.0]));
+            let program = Program {
+                motions: vec![ptp(0.5), entry.clone(), ptp(0.0)],
+                ..Program::from_deg([0.0, 30.0, 0.0, -60.0, 0.0, 90.0, 0.0]).build()
+            };
+            let path = JointPath::new(&program, &Robot::default()).unwrap();
+            let found: Vec<u32> = planned(&path).iter().map(|section| section.settles).collect();
+            assert_eq!(found, settles, "{entry:?}");
+        }
+    }
 }

@@ -15,7 +15,8 @@ use crate::identify::{
     watched::{CornerSpace, Watched},
 };
 
-/// Largest residual of a blend, in m, beside two shares of its reach: the tracking error of robots.
+/// Largest residual of a blend, in m, in addition to a share of its reach: the tracking error of
+/// robots.
 const LEFT_M: f64 = 3e-4;
 
 /// Largest deviation of a blend's start and end from the plan, as a share of its reach and in

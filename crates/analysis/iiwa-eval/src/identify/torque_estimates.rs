@@ -20,7 +20,7 @@ pub struct TorqueEstimates {
     pub residual_nm: [f64; 7],
     /// Averaging time of torques, in s.
     pub window_s: f64,
-    /// `true` if torques already had the sign of plans, not that of KUKA's controller.
+    /// `true` if the sign of the recorded torques is not that of their format, and was inverted.
     pub turned: bool,
 }
 

@@ -61,8 +61,8 @@ const ROUNDS: usize = 4;
 /// Minimum number of windows with torques.
 const FEWEST: usize = 10;
 
-/// Evaluates the recordings with torques, if any. Also returns the recordings whose torques were not
-/// used, with the reason.
+/// Evaluates the recordings with torques, if any. Also returns the recordings whose torques were
+/// not used, with the reason.
 pub(super) fn find(
     recordings: &[RecordedRun<'_>],
     model: &Robot,

@@ -121,7 +121,7 @@ fn without_blends(program: &Program) -> Program {
         match motion {
             Motion::Ptp(ptp) => ptp.blend = None,
             Motion::Cartesian(cartesian) => cartesian.blend = None,
-            Motion::Wait { .. } | Motion::Load(_) => {}
+            Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => {}
         }
     }
     plain

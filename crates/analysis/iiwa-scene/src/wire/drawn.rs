@@ -3,8 +3,8 @@
 use serde::{Serialize, Serializer};
 
 use crate::{
-    hull::ConvexHull,
-    placed::{rotation, unit},
+    carried::CarriedBodies,
+    rotation::{rotation, unit},
     scene::{Form, Obstacle, Scene},
     tool::{ToolForm, ToolShape},
 };
@@ -28,17 +28,29 @@ enum DrawnObstacle<'a> {
     },
     /// Cylinder along its z axis.
     Cylinder {
+        #[serde(skip_serializing_if = "Option::is_none")]
+        name: Option<&'a str>,
         center_m: [f64; 3],
         radius_m: f64,
         length_m: f64,
         rotation: [[f64; 3]; 3],
     },
     Sphere {
+        #[serde(skip_serializing_if = "Option::is_none")]
+        name: Option<&'a str>,
         center_m: [f64; 3],
         radius_m: f64,
     },
     /// Hull with corners in its own frame.
     Hull {
+        origin_m: [f64; 3],
+        rotation: [[f64; 3]; 3],
+        corners_m: Vec<[f64; 3]>,
+        triangles: &'a [[u32; 3]],
+    },
+    /// Surface with corners in its own frame.
+    Mesh {
+        name: &'a str,
         origin_m: [f64; 3],
         rotation: [[f64; 3]; 3],
         corners_m: Vec<[f64; 3]>,
@@ -55,6 +67,20 @@ impl<'a> From<&'a Obstacle> for DrawnObstacle<'a> {
             Form::Plane { point_m, normal } => {
                 Self::Plane { name, point_m, normal: unit(normal).into() }
             }
+            Form::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+                let (name, rotation) = (Some(name.as_str()), rows(rpy_rad));
+                Self::Cylinder { name, center_m, radius_m, length_m, rotation }
+            }
+            Form::Sphere { center_m, radius_m } => {
+                Self::Sphere { name: Some(name), center_m, radius_m }
+            }
+            Form::Mesh { ref surface, origin_m, rpy_rad } => Self::Mesh {
+                name,
+                origin_m,
+                rotation: rows(rpy_rad),
+                corners_m: rounded(surface.points_m()),
+                triangles: surface.triangles(),
+            },
         }
     }
 }
@@ -66,13 +92,16 @@ impl<'a> From<&'a ToolShape> for DrawnObstacle<'a> {
                 Self::Box { name: None, center_m, size_m, rotation: rows(rpy_rad) }
             }
             ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
-                Self::Cylinder { center_m, radius_m, length_m, rotation: rows(rpy_rad) }
+                let rotation = rows(rpy_rad);
+                Self::Cylinder { name: None, center_m, radius_m, length_m, rotation }
             }
-            ToolForm::Sphere { center_m, radius_m } => Self::Sphere { center_m, radius_m },
+            ToolForm::Sphere { center_m, radius_m } => {
+                Self::Sphere { name: None, center_m, radius_m }
+            }
             ToolForm::Mesh { ref hull, origin_m, rpy_rad } => Self::Hull {
                 origin_m,
                 rotation: rows(rpy_rad),
-                corners_m: rounded(hull),
+                corners_m: rounded(hull.corners_m()),
                 triangles: hull.triangles(),
             },
         }
@@ -85,15 +114,35 @@ fn rows(rpy_rad: [f64; 3]) -> [[f64; 3]; 3] {
 }
 
 /// Rounds corners to the micrometre: finer than any screen, and short as text.
-fn rounded(hull: &ConvexHull) -> Vec<[f64; 3]> {
-    hull.corners_m().iter().map(|corner| corner.map(|v| (v * 1e6).round() / 1e6 + 0.0)).collect()
+fn rounded(corners_m: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    corners_m.iter().map(|corner| corner.map(|v| (v * 1e6).round() / 1e6 + 0.0)).collect()
+}
+
+/// Serialises the bodies with their shapes in the flange frame, as the tool of a scene.
+impl Serialize for CarriedBodies {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct BodyView<'a> {
+            part: usize,
+            shapes: Vec<DrawnObstacle<'a>>,
+        }
+        #[derive(Serialize)]
+        struct CarriedView<'a> {
+            bodies: Vec<BodyView<'a>>,
+        }
+        let bodies = self.bodies().iter().map(|body| BodyView {
+            part: body.part,
+            shapes: body.shapes.iter().map(DrawnObstacle::from).collect(),
+        });
+        CarriedView { bodies: bodies.collect() }.serialize(serializer)
+    }
 }
 
 /// Serialises the obstacles in the base frame and the tool shapes in the flange frame, with
 /// positions in m: a box as `center_m`, `size_m` and `rotation` (three rows; the columns are its
 /// axes), a plane as `point_m` and `normal` (a unit vector), a cylinder as `center_m`, `radius_m`,
-/// `length_m` and `rotation`, a sphere as `center_m` and `radius_m`, a hull as `origin_m`,
-/// `rotation`, and `corners_m` with the indices in `triangles`.
+/// `length_m` and `rotation`, a sphere as `center_m` and `radius_m`, a hull or a mesh as
+/// `origin_m`, `rotation`, and `corners_m` with the indices in `triangles`.
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]

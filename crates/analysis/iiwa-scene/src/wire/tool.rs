@@ -1,11 +1,12 @@
 //! JSON form of the tool of a scene.
 
-use iiwa_json::{JsonObject, JsonStep, are_known, excerpt, locate, tag, unknown};
+use iiwa_json::{JsonObject, JsonStep, are_known, locate, tag, unknown};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{
     error::{SceneError, json_error},
+    mesh::{MAX_SCALE, MIN_SCALE, NamedMesh, ReadFile, one},
     numbers::{angle, from_mm, position, size, three},
 };
 use crate::{
@@ -126,14 +127,6 @@ pub(super) struct ToolMeshWire {
     scale: f64,
 }
 
-fn one() -> f64 {
-    1.0
-}
-
-/// Range of the scale, from nm to km.
-const MIN_SCALE: f64 = 1e-6;
-const MAX_SCALE: f64 = 1e6;
-
 impl From<ToolBoxWire> for ToolForm {
     fn from(wire: ToolBoxWire) -> Self {
         Self::Box {
@@ -160,9 +153,6 @@ impl From<ToolSphereWire> for ToolForm {
         Self::Sphere { center_m: wire.center_mm.map(from_mm), radius_m: from_mm(wire.radius_mm) }
     }
 }
-
-/// Reader of the files that a scene refers to, by their names in the scene.
-pub(super) type ReadFile<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
 
 /// Reads the shape at `index` from its text `raw`.
 pub(super) fn tool_shape(
@@ -195,7 +185,7 @@ pub(super) fn tool_shape(
         }
         Some("mesh") => {
             let wire = serde_json::from_str::<JsonObject<ToolMeshWire>>(raw).map_err(fail)?.0;
-            mesh(wire, read).map_err(|(key, message)| wrong(message, Some(key)))?
+            mesh(&wire, read).map_err(|(key, message)| wrong(message, Some(key)))?
         }
         Some(other) => {
             return Err(wrong(unknown("type", other, &KNOWN_TYPES), Some("type")));
@@ -206,21 +196,11 @@ pub(super) fn tool_shape(
 }
 
 /// Reads the mesh of a shape; the error contains the key that it belongs to.
-fn mesh(wire: ToolMeshWire, read: ReadFile<'_>) -> Result<ToolForm, (&'static str, String)> {
-    let ToolMeshWire { file, origin_mm, rpy_deg, scale, .. } = wire;
-    if !(MIN_SCALE..=MAX_SCALE).contains(&scale) {
-        return Err((
-            "scale",
-            format!("scale is {scale}; it must be from {MIN_SCALE} to {MAX_SCALE}"),
-        ));
-    }
-    let named = |message: String| ("file", format!("`{}`: {message}", excerpt(&file)));
-    let bytes = read(&file).map_err(named)?;
-    let hull =
-        ConvexHull::from_mesh(&file, &bytes, scale).map_err(|error| named(error.to_string()))?;
+fn mesh(wire: &ToolMeshWire, read: ReadFile<'_>) -> Result<ToolForm, (&'static str, String)> {
+    let named = NamedMesh { file: &wire.file, scale: wire.scale };
     Ok(ToolForm::Mesh {
-        hull,
-        origin_m: origin_mm.map(from_mm),
-        rpy_rad: rpy_deg.map(f64::to_radians),
+        hull: named.read(read, ConvexHull::from_mesh)?,
+        origin_m: wire.origin_mm.map(from_mm),
+        rpy_rad: wire.rpy_deg.map(f64::to_radians),
     })
 }

@@ -131,7 +131,7 @@ impl Producer {
             }
         }
         if let Err(error) = self.reader.save(self.spool.spool()) {
-            tracing::warn!("cannot save how far the spool was sent: {error}");
+            tracing::warn!("cannot save the position in the spool: {error}");
         }
     }
 
@@ -147,7 +147,7 @@ impl Producer {
         tracing::warn!("Kafka at {address}: {}; one message was left out", failure.message);
         self.spool.refused(1);
         if let Err(error) = self.reader.commit(self.spool.spool()) {
-            tracing::warn!("cannot save how far the spool was sent: {error}");
+            tracing::warn!("cannot save the position in the spool: {error}");
         }
     }
 

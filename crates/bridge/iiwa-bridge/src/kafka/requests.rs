@@ -154,7 +154,9 @@ async fn answer(
         };
         match partition.produce(vec![record], Compression::NoCompression).await {
             Err(Error::ServerError { protocol_error: ProtocolError::MessageTooLarge, .. }) => {
-                tracing::warn!("a reply was dropped: the broker takes no messages of its length");
+                tracing::warn!(
+                    "a reply was dropped: the broker does not accept messages of this length"
+                );
             }
             sent => drop(sent?),
         }

@@ -132,7 +132,7 @@ impl Session {
             }
         }
         if let Err(error) = self.reader.save(self.spool.spool()) {
-            tracing::warn!("cannot save how far the spool was sent: {error}");
+            tracing::warn!("cannot save the position in the spool: {error}");
         }
     }
 
@@ -174,7 +174,7 @@ impl Session {
                         self.answered(&mut in_flight, true)?;
                     }
                     MqttInput::Refused { why, lasts: false } => {
-                        let message = format!("the broker takes no messages: {why}");
+                        let message = format!("the broker accepts no messages: {why}");
                         return Err(MqttFailure { message, is_refusal: false });
                     }
                     MqttInput::Message(received) => self.command(received, replies),

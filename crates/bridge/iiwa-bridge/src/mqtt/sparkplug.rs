@@ -180,8 +180,8 @@ impl EdgeNode {
                 _ = turn.tick() => {
                     if shutdown.load(Ordering::Relaxed) {
                         // The same message as after a lost connection.
-                        let death =
-                            encode(None, &[("bdSeq".to_owned(), SparkplugValue::Int64(self.births.into()))]);
+                        let births = SparkplugValue::Int64(self.births.into());
+                        let death = encode(None, &[("bdSeq".to_owned(), births)]);
                         let topic = self.topic("NDEATH", None);
                         return connection.publish(&topic, death, Delivery::AtMostOnce, None).await;
                     }

@@ -100,8 +100,8 @@ pub(super) fn prepare(
     let planned_s = motion.duration_s();
     let new = sampled(&retimed.trajectory, planned_s);
     let mut remark = format!(
-        "the trajectory got new times on its path: {:.3} s instead of {planned_s:.3} s; the arm passed \
-         its points within {:.4} rad",
+        "the trajectory got new times on its path: {:.3} s instead of {planned_s:.3} s; the arm \
+         passed its points within {:.4} rad",
         new.duration_s(),
         retimed.deviation_rad
     );

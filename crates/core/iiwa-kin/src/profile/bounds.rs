@@ -40,7 +40,7 @@ pub(super) const MIN_RANGE_DEG: f64 = 0.001;
 /// Accepted coefficients of kappa; the built-in models have values below 4.
 pub(super) const KAPPA_RANGE: [f64; 2] = [-100.0, 100.0];
 
-/// Accepted settling times and pauses, in s.
+/// Accepted durations of standstill after motions, in s.
 pub(super) const SETTLE_RANGE_S: [f64; 2] = [0.001, 10.0];
 
 /// Accepted speeds in operating mode T1, in mm/s.

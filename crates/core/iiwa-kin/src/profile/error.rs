@@ -80,8 +80,8 @@ pub enum ProfileError {
     },
     /// The inertia tensor of a link is not physically possible.
     #[error(
-        "{LINKS}: the inertia of link {link} is that of no body: about some axis it is negative, \
-         at {place}"
+        "{LINKS}: the inertia tensor of link {link} is not physically possible: the moment of \
+         inertia about some axis is negative, at {place}"
     )]
     Inertia {
         /// Place in the text.

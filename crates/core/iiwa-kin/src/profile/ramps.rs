@@ -125,8 +125,15 @@ impl RampsWire {
     ) -> Option<Self> {
         let numbers = |law: &RampLaw| {
             let RampLaw { damping_per_s, width_rad_s, least_cruise_s, spline, .. } = *law;
-            let SplineSpeed { bend_rel, tangent_rel, build_up_s, hold_s, ramp_reach, short_ramp_s } =
-                spline;
+            let SplineSpeed {
+                // All fields, so that a new field has to be compared as well.
+                bend_rel,
+                tangent_rel,
+                build_up_s,
+                hold_s,
+                ramp_reach,
+                short_ramp_s,
+            } = spline;
             let lists =
                 [law.torque_snap_nm_s2, law.motor_inertia_kg_m2, law.start_nm_s, law.stop_nm_s];
             let spline = [bend_rel, tangent_rel, build_up_s, hold_s, ramp_reach, short_ramp_s];

@@ -1,6 +1,6 @@
 //! Selection of the seven robot joints among all joints of a URDF.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::{Isometry3, UnitQuaternion};
 
@@ -41,6 +41,28 @@ impl<'a> Chain<'a> {
 impl<'t> Description<'t> {
     /// Chain of seven revolute joints that ends at `tip`, or at the only possible link.
     pub(super) fn chain(&self, tip: Option<&str>) -> Result<Chain<'_>, UrdfError> {
+        self.find_chain(tip, false).map_err(|error| self.unless_xacro(error))
+    }
+
+    /// Chain of the seven revolute joints of the only arm; any link after the seventh joint may be
+    /// its tip.
+    pub(super) fn chain_of_arm(&self) -> Result<Chain<'_>, UrdfError> {
+        self.find_chain(None, true).map_err(|error| self.unless_xacro(error))
+    }
+
+    /// Explains a fault of a file with xacro elements, whose links and joints are not complete.
+    fn unless_xacro(&self, error: UrdfError) -> UrdfError {
+        match &self.xacro {
+            Some((span, element)) => {
+                UrdfError::Xacro { place: span.place(), element: element.clone() }
+            }
+            None => error,
+        }
+    }
+
+    /// Chain that ends at `tip`; without a tip, at the only possible link, or, with `any_tip`, at
+    /// any possible link of the only arm.
+    fn find_chain(&self, tip: Option<&str>, any_tip: bool) -> Result<Chain<'_>, UrdfError> {
         let index_of: HashMap<&str, usize> =
             self.links.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
         let find = |joint: &UrdfJoint<'_>, link: &str| {
@@ -70,7 +92,7 @@ impl<'t> Description<'t> {
                 tip: tip.to_owned(),
                 links: Listed(self.links.clone()),
             })?,
-            None => self.default_tip(&above, &below)?,
+            None => self.default_tip(&above, &below, any_tip)?,
         };
         let mut joints = Vec::new();
         let mut link = tip;
@@ -88,19 +110,27 @@ impl<'t> Description<'t> {
         self.seven(joints, &self.links[tip])
     }
 
-    /// The chain without its mounting, if it consists of seven revolute joints and fixed joints.
+    /// The chain without its mounting, if it consists of seven revolute joints and fixed joints. A
+    /// mounting may move, as a linear axis or a mobile platform does.
     fn seven<'a>(
         &'a self,
         mut joints: Vec<&'a UrdfJoint<'t>>,
         tip: &'a str,
     ) -> Result<Chain<'a>, UrdfError> {
-        if let Some(joint) = joints.iter().find(|joint| !joint.is_revolute() && !joint.is_fixed()) {
-            let kind = if joint.mimics { "mimic" } else { &joint.kind };
-            return Err(UrdfError::JointKind {
-                place: joint.span.place(),
-                joint: joint.name.clone(),
-                found: kind.to_owned(),
-            });
+        let is_other = |joint: &UrdfJoint<'_>| !joint.is_revolute() && !joint.is_fixed();
+        if let Some(last) = joints.iter().rposition(|joint| is_other(joint)) {
+            let is_in_arm = joints[..last].iter().any(|joint| joint.is_revolute());
+            let after = joints[last..].iter().filter(|joint| joint.is_revolute()).count();
+            if is_in_arm && after != 7 {
+                let joint = joints[last];
+                let kind = if joint.mimics { "mimic" } else { &joint.kind };
+                return Err(UrdfError::JointKind {
+                    place: joint.span.place(),
+                    joint: joint.name.clone(),
+                    found: kind.to_owned(),
+                });
+            }
+            joints.drain(..=last);
         }
         let mounting = joints.iter().take_while(|joint| joint.is_fixed()).count();
         joints.drain(..mounting);
@@ -116,40 +146,44 @@ impl<'t> Description<'t> {
     }
 
     /// Link at the end of the longest chain with exactly seven revolute joints and otherwise fixed
-    /// joints; if no such chain exists, the link at the end of the longest chain.
+    /// joints, after a mounting that may move; if no such chain exists, the link at the end of the
+    /// longest chain. If several links qualify, the first one is the tip only with `any_tip`, and
+    /// only if all of them follow the same seventh joint.
     fn default_tip(
         &self,
         above: &[Option<(&UrdfJoint<'_>, usize)>],
         below: &[Vec<usize>],
+        any_tip: bool,
     ) -> Result<usize, UrdfError> {
-        // Per link, from the roots down: number of joints above it, and number of revolute joints
-        // among them if all others are fixed.
-        let mut queue: Vec<(usize, usize, Option<usize>)> = (0..self.links.len())
-            .filter(|&i| above[i].is_none())
-            .map(|i| (i, 0, Some(0)))
+        let mut queue: Vec<QueuedLink> = (0..self.links.len())
+            .filter(|&link| above[link].is_none())
+            .map(|link| QueuedLink { link, depth: 0, revolute: 0, moved_by: link })
             .collect();
         let (mut longest, mut tips, mut tip_depth) = ((0, 0), Vec::new(), 0);
+        // Child links of the seventh joints.
+        let mut arms = HashSet::new();
         let mut next = 0;
-        while let Some(&(link, depth, revolute)) = queue.get(next) {
+        while let Some(&QueuedLink { link, depth, revolute, moved_by }) = queue.get(next) {
             next += 1;
             if depth > longest.1 {
                 longest = (link, depth);
             }
-            if revolute == Some(7) {
+            if revolute == 7 {
                 if depth > tip_depth {
                     tips.clear();
                     tip_depth = depth;
                 }
                 // The queue yields links in order of depth.
                 tips.push(link);
+                arms.insert(moved_by);
             }
             queue.extend(below[link].iter().map(|&child| {
-                let revolute = match above[child] {
-                    Some((joint, _)) if joint.is_revolute() => revolute.map(|n| n + 1),
-                    Some((joint, _)) if joint.is_fixed() => revolute,
-                    _ => None,
+                let (revolute, moved_by) = match above[child] {
+                    Some((joint, _)) if joint.is_revolute() => (revolute + 1, child),
+                    Some((joint, _)) if joint.is_fixed() => (revolute, moved_by),
+                    _ => (0, child),
                 };
-                (child, depth + 1, revolute)
+                QueuedLink { link: child, depth: depth + 1, revolute, moved_by }
             }));
         }
         match *tips {
@@ -159,11 +193,30 @@ impl<'t> Description<'t> {
                 missing: "<link>",
             }),
             [] => Ok(longest.0),
-            [tip] => Ok(tip),
+            [tip] if !any_tip => Ok(tip),
+            [tip, ..] if any_tip && arms.len() == 1 => Ok(tip),
+            _ if any_tip => {
+                let mut arms: Vec<usize> = arms.into_iter().collect();
+                arms.sort_unstable();
+                let links = arms.into_iter().map(|link| self.links[link].clone()).collect();
+                Err(UrdfError::SeveralArms { place: self.span.place(), links: Listed(links) })
+            }
             _ => Err(UrdfError::AmbiguousTip {
                 place: self.span.place(),
                 links: Listed(tips.into_iter().map(|tip| self.links[tip].clone()).collect()),
             }),
         }
     }
+}
+
+/// A link in the search for the tip, from the roots on.
+struct QueuedLink {
+    link: usize,
+    /// Number of joints above the link.
+    depth: usize,
+    /// Number of revolute joints above the link, after the last joint that is neither revolute nor
+    /// fixed.
+    revolute: usize,
+    /// Child link of the last joint above that is not fixed.
+    moved_by: usize,
 }

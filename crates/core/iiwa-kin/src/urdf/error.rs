@@ -35,7 +35,7 @@ pub enum UrdfError {
         missing: &'static str,
     },
     /// A unique element occurs again.
-    #[error("{owner} is here for the second time; remove one, at {place}")]
+    #[error("{owner} appears twice; remove one, at {place}")]
     Duplicate {
         /// Place of the second occurrence.
         place: JsonPlace,
@@ -112,6 +112,39 @@ pub enum UrdfError {
         /// The candidate links.
         links: Listed,
     },
+    /// Several arms have seven joints each.
+    #[error(
+        "several arms have seven joints, with the last links {links}; keep one of them in the \
+         file, at {place}"
+    )]
+    SeveralArms {
+        /// Place in the text.
+        place: JsonPlace,
+        /// Link that the seventh joint of each arm moves.
+        links: Listed,
+    },
+    /// The file is a xacro file, whose macros are not expanded.
+    #[error(
+        "this is a xacro file with <{element}>, not a URDF; expand it first, for example with \
+         `xacro FILE.xacro > FILE.urdf`, at {place}"
+    )]
+    Xacro {
+        /// Place of the first xacro element.
+        place: JsonPlace,
+        /// Name of the element.
+        element: String,
+    },
+    /// The text uses an entity that XML does not predefine.
+    #[error(
+        "the entity &{entity}; is defined by a document type, which is not read; replace it by \
+         its text, at {place}"
+    )]
+    Entity {
+        /// Place in the text.
+        place: JsonPlace,
+        /// Name of the entity.
+        entity: String,
+    },
     /// The chain does not have seven revolute joints.
     #[error("the chain up to link {tip:?} has {found} revolute joints; the iiwa has 7, at {place}")]
     JointCount {
@@ -185,6 +218,9 @@ impl UrdfError {
             | Self::Cycle { place, .. }
             | Self::UnknownTip { place, .. }
             | Self::AmbiguousTip { place, .. }
+            | Self::SeveralArms { place, .. }
+            | Self::Xacro { place, .. }
+            | Self::Entity { place, .. }
             | Self::JointCount { place, .. }
             | Self::JointKind { place, .. }
             | Self::Axis { place, .. }

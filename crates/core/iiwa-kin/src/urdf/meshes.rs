@@ -44,8 +44,8 @@ impl Robot {
     /// Meshes that a URDF of this robot names, for link 0 to link 7.
     ///
     /// The seven axes of the URDF must match the model's; its frames may be anywhere along them,
-    /// and its last link need not be the flange. Links fixed to another link belong to that link.
-    /// Boxes, cylinders and spheres are left out.
+    /// and the links after its seventh joint need not be the flange. Links fixed to another link
+    /// belong to that link. Boxes, cylinders and spheres are left out.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -59,12 +59,12 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// If the text is not a URDF, has no chain of seven revolute joints, or has an axis that is off
-    /// by more than [`UrdfReport::TOLERANCE_M`](crate::UrdfReport::TOLERANCE_M) or
+    /// If the text is not a URDF, has no chain of seven revolute joints or several arms, or has an
+    /// axis that is off by more than [`UrdfReport::TOLERANCE_M`](crate::UrdfReport::TOLERANCE_M) or
     /// [`UrdfReport::TOLERANCE_RAD`](crate::UrdfReport::TOLERANCE_RAD).
     pub fn urdf_meshes(&self, urdf: &str) -> Result<[UrdfLink; 8], UrdfError> {
         let description = Description::read(urdf)?;
-        let chain = description.chain(None)?;
+        let chain = description.chain_of_arm()?;
         if let Some(error) = self.misplaced_axis(&chain, 1.0) {
             return Err(error);
         }

@@ -17,6 +17,8 @@ pub(super) struct Description<'t> {
     pub(super) span: TextSpan<'t>,
     pub(super) links: Vec<String>,
     pub(super) joints: Vec<UrdfJoint<'t>>,
+    /// The first element of xacro, with its name: a file that is not expanded.
+    pub(super) xacro: Option<(TextSpan<'t>, String)>,
 }
 
 impl<'t> Description<'t> {
@@ -61,10 +63,27 @@ impl<'t> Description<'t> {
                     let place = JsonPlace::of_span(text, text.len()..text.len());
                     return Err(UrdfError::Xml { place, problem });
                 }
-                Ok(_) => continue,
+                Ok(event) => {
+                    if depth == 0 && is_text(&event) {
+                        let rest = text.get(start..).map(str::trim_start);
+                        let start = rest.map_or(start, |rest| text.len() - rest.len());
+                        let span = TextSpan { text, start, end: offset(reader.buffer_position()) };
+                        let side = if description.is_some() { "after" } else { "before" };
+                        let problem = format!("it has text {side} the outermost element");
+                        return Err(UrdfError::Xml { place: span.place(), problem });
+                    }
+                    continue;
+                }
             };
             let span = TextSpan { text, start, end: offset(reader.buffer_position()) };
             let tag = Tag { element: &element, span };
+            if let Some(description) = &mut description
+                && description.xacro.is_none()
+                && element.name().as_ref().starts_with(b"xacro:")
+            {
+                let name = String::from_utf8_lossy(element.name().as_ref()).into_owned();
+                description.xacro = Some((span, name));
+            }
             match (depth, element.name().as_ref(), &mut description, &mut draft) {
                 (0, _, Some(_), _) => {
                     let problem = "it has a second outermost element".to_owned();
@@ -72,7 +91,8 @@ impl<'t> Description<'t> {
                 }
                 (0, b"robot", None, _) => {
                     quaternions = tag.attribute("version")?.is_some_and(|v| v.trim() != "1.0");
-                    description = Some(Self { span, links: Vec::new(), joints: Vec::new() });
+                    description =
+                        Some(Self { span, links: Vec::new(), joints: Vec::new(), xacro: None });
                 }
                 (0, name, None, _) => {
                     let found = String::from_utf8_lossy(name).into_owned();
@@ -97,6 +117,15 @@ impl<'t> Description<'t> {
             }
             depth += usize::from(is_open);
         }
+    }
+}
+
+/// Returns true for text other than white space.
+fn is_text(event: &Event<'_>) -> bool {
+    match event {
+        Event::Text(text) => !text.trim_ascii().is_empty(),
+        Event::CData(_) | Event::GeneralRef(_) => true,
+        _ => false,
     }
 }
 

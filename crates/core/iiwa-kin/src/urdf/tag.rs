@@ -2,7 +2,7 @@
 
 use iiwa_json::JsonPlace;
 use nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion};
-use quick_xml::events::BytesStart;
+use quick_xml::{escape::EscapeError, events::BytesStart};
 
 use super::UrdfError;
 
@@ -34,15 +34,23 @@ impl Tag<'_, '_> {
         for attribute in self.element.attributes().with_checks(false) {
             let attribute = attribute.map_err(|error| xml(error.to_string()))?;
             if attribute.key.as_ref() == name.as_bytes() {
-                let value = attribute
-                    .decode_and_unescape_value(self.element.decoder())
-                    .map_err(|error| xml(error.to_string()))?;
+                let value = attribute.decode_and_unescape_value(self.element.decoder()).map_err(
+                    |error| self.entity(&error).unwrap_or_else(|| xml(error.to_string())),
+                )?;
                 if decoded.replace(value.into_owned()).is_some() {
-                    return Err(xml(format!("the attribute {name} is there twice")));
+                    return Err(xml(format!("the attribute {name} appears twice")));
                 }
             }
         }
         Ok(decoded)
+    }
+
+    /// The error for an entity that is not predefined, if that is the cause.
+    fn entity(&self, error: &quick_xml::Error) -> Option<UrdfError> {
+        let quick_xml::Error::Escape(EscapeError::UnrecognizedEntity(_, entity)) = error else {
+            return None;
+        };
+        Some(UrdfError::Entity { place: self.span.place(), entity: entity.clone() })
     }
 
     pub(super) fn required(&self, name: &'static str, owner: &str) -> Result<String, UrdfError> {

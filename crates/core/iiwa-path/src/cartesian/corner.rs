@@ -25,19 +25,23 @@ use iiwa_program::{Blend, CART_MM_MIN, MotionLimits, PathBlend, SUNRISE_REL_MIN}
 /// A blend between two motions, and the shares of both that it replaces.
 #[derive(Debug)]
 pub(crate) struct CurvedCorner {
-    /// Replaced share of the first motion, at its end, and of the second, at its start.
+    /// Replaced shares in s: of the first motion (of a spline: its last segment) at its end, and of
+    /// the second motion (of a spline: its first segment) at its start.
     pub(crate) shares: [f64; 2],
     /// The blend as a curve in joint space.
     pub(crate) image: JointSpline,
-    /// Angle between both directions: of the TCP between two TCP paths, otherwise in joint space.
+    /// Angle between the directions before and after the blend: of the TCP if the blend joins two
+    /// paths of one TCP and the wrist joints are interpolated on neither (0 if the TCP keeps its
+    /// position on one side), otherwise in joint space.
     pub(crate) gamma_deg: f64,
-    /// Limits of the segment after the corner, if it has its own.
+    /// Limits of the blend, if the spline segment after the corner has its own; otherwise, the
+    /// limits of the second motion apply.
     pub(crate) limits: Option<Arc<MotionLimits>>,
 }
 
 impl CurvedCorner {
-    /// Returns the blend of `size` between two motions, or `None` if it is too small, or if one of
-    /// the motions does not move.
+    /// Returns the blend of `size` between two motions, or `None` if the blend is too small. The
+    /// robot has to move in both motions.
     pub(crate) fn new(
         robot: &Robot,
         options: PathOptions,
@@ -50,16 +54,21 @@ impl CurvedCorner {
         let paths = next_to_corner(legs);
         let (gamma_rad, curve): (f64, Arc<dyn JointCurve>) = match paths {
             [Some(a), Some(b)] if a.curve.joins_in_space(&b.curve) => {
-                let rate = |path: &TcpPath, s: f64| {
+                let position_by_s = |path: &TcpPath, s: f64| {
                     let pose = path.curve.course.at(Taylor::variable(s));
                     pose.position_m.map(|x| x.derivatives()[1])
                 };
-                let (into, out) =
-                    (scaled(shares[0], &rate(a, 1.0)), scaled(shares[1], &rate(b, 0.0)));
-                // While only E1 or the orientation changes, the direction of the TCP is rounding.
-                // Without kappa, the blend stays on the path of the other motion.
-                let goes = norm(&into).min(norm(&out)) > NO_WAY_M;
-                let (gamma_rad, kappa) = if goes {
+                let (into, out) = (
+                    scaled(shares[0], &position_by_s(a, 1.0)),
+                    scaled(shares[1], &position_by_s(b, 0.0)),
+                );
+                // If only E1 or the orientation changes in one of the motions, the TCP keeps its
+                // position there, and its computed direction consists of rounding errors. With
+                // kappa = 0, each position of the blend is on the straight line between the corner
+                // and a point on the path of the moving motion: if this path is a line, the blend
+                // stays on it.
+                let moves = norm(&into).min(norm(&out)) > MIN_WAY_M;
+                let (gamma_rad, kappa) = if moves {
                     let (a, b) = (scaled(1.0 / norm(&into), &into), scaled(1.0 / norm(&out), &out));
                     let sum = std::array::from_fn(|i| a[i] + b[i]);
                     // Unlike an arc cosine, precise near 0 and 180 deg.
@@ -71,7 +80,8 @@ impl CurvedCorner {
                 let part =
                     |path: &TcpPath, range| CurveInterval { range, curve: Arc::clone(&path.curve) };
                 let parts = [part(a, ranges[0]), part(b, ranges[1])];
-                (gamma_rad, Arc::new(TcpBlend { parts, kappa, turn: sub(&out, &into) }))
+                let derivative_change = sub(&out, &into);
+                (gamma_rad, Arc::new(TcpBlend { parts, kappa, derivative_change }))
             }
             _ => {
                 let parts = [0, 1].map(|side| {
@@ -81,17 +91,17 @@ impl CurvedCorner {
                     };
                     CurveInterval { range: ranges[side], curve }
                 });
-                let rate = |part: &CurveInterval<dyn JointCurve>,
-                            s: f64|
+                let joints_by_s = |part: &CurveInterval<dyn JointCurve>,
+                                   s: f64|
                  -> Result<Joints, CurveFaultAt> {
                     let joints = part.at(Taylor::variable(s));
                     let joints = joints.map_err(|fault| CurveFaultAt { s, fault })?;
                     Ok(joints.map(|joint| joint.derivatives()[1]))
                 };
-                let (into, out) = (rate(&parts[0], 1.0)?, rate(&parts[1], 0.0)?);
+                let (into, out) = (joints_by_s(&parts[0], 1.0)?, joints_by_s(&parts[1], 0.0)?);
                 let gamma_rad = vector::angle(&vector::unit(&into), &vector::unit(&out));
                 let kappa = options.blend_shape.kappa(robot, gamma_rad.to_degrees());
-                // The following motion determines TCP and limits, as far as it has a TCP path.
+                // The TCP of the second motion or, if that is not a TCP path, of the first.
                 let tool = paths.into_iter().flatten().next_back();
                 let tcp = tool.map_or(Pose::IDENTITY, |path| path.curve.flange.inverse());
                 let blend = JointBlend {
@@ -99,30 +109,32 @@ impl CurvedCorner {
                     tcp,
                     parts,
                     kappa,
-                    turn: vector::sub(&out, &into),
+                    derivative_change: vector::sub(&out, &into),
                 };
                 (gamma_rad, Arc::new(blend))
             }
         };
-        let rates = [0, 1].map(|side| {
+        // dsigma/ds of each replaced part, with s from 0 to 1 along the part, as in the blend.
+        let sigma_rates_rad = [0, 1].map(|side| {
             let [from, to] = &legs[side].ends_rad;
-            let rate = paths[side].map(|path| path.rate_rad);
-            shares[side] * rate.unwrap_or_else(|| vector::distance(from, to))
+            let whole_rad = paths[side].map(|path| path.rate_rad);
+            shares[side] * whole_rad.unwrap_or_else(|| vector::distance(from, to))
         });
-        let image = JointSpline::of(curve)?.with_sigma(Sigma::of_blend(rates));
+        let image = JointSpline::of(curve)?.with_sigma(Sigma::of_blend(sigma_rates_rad));
+        // The limits of the second motion apply in the blend.
         let limits = paths[1].and_then(|path| path.limits.clone());
         Ok(Some(Self { shares, image, gamma_deg: gamma_rad.to_degrees(), limits }))
     }
 }
 
-/// Returns the last TCP path of the first motion, and the first TCP path of the second: segments of
-/// a spline, or `None` for a motion in joint space.
+/// Returns the TCP paths next to the corner, `None` for a motion in joint space. A LIN or CIRC has
+/// one TCP path, a spline has one for each segment.
 fn next_to_corner(legs: [&Leg; 2]) -> [Option<&TcpPath>; 2] {
     [legs[0].paths.last(), legs[1].paths.first()]
 }
 
-/// Shares in s of both motions that a blend of `size` replaces, or `None` if the blend is too
-/// small.
+/// Returns the shares in s that a blend of `size` replaces, as in [`CurvedCorner::shares`], or
+/// `None` if the blend is too small.
 fn shares(
     robot: &Robot,
     options: PathOptions,
@@ -135,12 +147,12 @@ fn shares(
     {
         return None;
     }
-    // On a TCP path, `setBlendingRel` applies to the redundancy only, and the blend is the least
-    // possible.
+    // If the first motion is a TCP path, Sunrise applies `sunrise_rel` (`setBlendingRel`) to E1
+    // only. Here, it counts as the smallest `cart_mm`, and has no effect if `cart_mm` is given.
     let paths = next_to_corner(legs);
     let min_mm = (paths[0].is_some() && size.sunrise_rel.is_some()).then_some(CART_MM_MIN);
     let radius_mm = size.cart_mm.or(min_mm);
-    let in_joints = match (radius_mm, size.sunrise_rel, size.fraction) {
+    let blend = match (radius_mm, size.sunrise_rel, size.fraction) {
         (Some(radius), ..) => Some(Blend::CartMm(radius)),
         (_, Some(share), _) => Some(Blend::SunriseRel(share)),
         (.., Some(share)) => Some(Blend::Fraction(share)),
@@ -150,19 +162,20 @@ fn shares(
         let Some(path) = paths[side] else {
             let [from, to] = legs[side].ends_rad;
             let (target, other) = if side == 0 { (to, from) } else { (from, to) };
-            return match in_joints {
+            return match blend {
                 Some(blend) => options.blend_search.share(blend, robot, tcp_m, &target, &other),
                 None => Some(HALF),
             };
         };
         let share_of = |length| match (&path.curve.wrist, length) {
-            // The joints of the wrist give the angle.
+            // If the wrist joints determine the orientation, the norm of their displacement counts
+            // as the rotation of the whole motion.
             (Some(wrist), Length::Turn(angle)) => angle / norm(&wrist.by_rad),
-            _ => path.curve.course.share_of(1 - side, length),
+            _ => path.curve.course.share_of(END_AT_CORNER[side], length),
         };
         let by_way = radius_mm.map(|radius| share_of(Length::Way(1e-3 * radius)));
         let by_turn = size.orientation_rad.map(|angle| share_of(Length::Turn(angle)));
-        let by_share = match in_joints {
+        let by_share = match blend {
             Some(Blend::SunriseRel(share)) => Some(0.5 * share),
             Some(Blend::Fraction(share)) => Some(share),
             _ => None,
@@ -177,16 +190,22 @@ fn shares(
     {
         // Both sides get the path length of the shorter one.
         let courses = [&a.curve.course, &b.curve.course];
-        let ways = [0, 1].map(|side| courses[side].way_within(1 - side, shares[side]));
-        let reach = ways[0].min(ways[1]);
-        if reach > NO_WAY_M {
-            shares = [0, 1].map(|side| courses[side].share_of(1 - side, Length::Way(reach)));
+        let ways_m = [0, 1].map(|side| courses[side].way_within(END_AT_CORNER[side], shares[side]));
+        let way_m = ways_m[0].min(ways_m[1]);
+        if way_m > MIN_WAY_M {
+            shares =
+                [0, 1].map(|side| courses[side].share_of(END_AT_CORNER[side], Length::Way(way_m)));
         }
     }
-    shares.iter().all(|share| *share > NO_SHARE).then_some(shares)
+    shares.iter().all(|share| *share > MIN_SHARE).then_some(shares)
 }
 
-/// Distance in m below which the TCP is at rest.
-const NO_WAY_M: f64 = 1e-9;
-/// Share below which there is no blend.
-const NO_SHARE: f64 = 1e-9;
+/// Parameter s at which each motion is at the corner: 1, its end, for the first motion, and 0, its
+/// start, for the second.
+const END_AT_CORNER: [usize; 2] = [1, 0];
+
+/// Path length in m up to which the TCP counts as at rest.
+const MIN_WAY_M: f64 = 1e-9;
+
+/// Share of a motion up to which a blend is left out.
+const MIN_SHARE: f64 = 1e-9;

@@ -11,7 +11,11 @@ use super::{
     quintic::Linked,
     tcp_course::{TcpCourse, polynomial, tool_way},
 };
-use crate::{continuity::Continuity, line::Line, segment::Segment, tool_way::ToolWay};
+use crate::{
+    continuity::Continuity,
+    line::Line,
+    segment::{Segment, ToolWay},
+};
 
 /// All joints, as power series in the parameter of the curve.
 pub(crate) type MovingJoints = [Taylor; 7];
@@ -53,7 +57,8 @@ pub(crate) struct TcpCurve {
     pub(crate) wrist: Option<WristTurn>,
 }
 
-/// Motion with A5 to A7 linear in s, in which the other joints keep the TCP on its course.
+/// Motion with A5 to A7 linear in s, in which the other joints keep the TCP on its course. A6 may
+/// pass through 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WristTurn {
     /// The TCP relative to the flange.
@@ -201,14 +206,16 @@ pub(crate) struct JointBlend {
     pub(crate) parts: [CurveInterval<dyn JointCurve>; 2],
     pub(crate) kappa: f64,
     /// B'(0) - A'(1), in rad.
-    pub(crate) turn: [f64; 7],
+    pub(crate) derivative_change: [f64; 7],
 }
 
 impl JointCurve for JointBlend {
     fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
         let [a, b] = [self.parts[0].at(s)?, self.parts[1].at(s)?];
         let [alpha, bulge] = mixing(self.kappa, s);
-        Ok(std::array::from_fn(|j| a[j] + alpha * (b[j] - a[j]) - bulge * self.turn[j]))
+        Ok(std::array::from_fn(|j| {
+            a[j] + alpha * (b[j] - a[j]) - bulge * self.derivative_change[j]
+        }))
     }
 
     fn tool_way(&self, s: f64) -> ToolWay {
@@ -230,7 +237,7 @@ pub(crate) struct TcpBlend {
     pub(crate) parts: [CurveInterval<TcpCurve>; 2],
     pub(crate) kappa: f64,
     /// B'(0) - A'(1), in m.
-    pub(crate) turn: Vec3<f64>,
+    pub(crate) derivative_change: Vec3<f64>,
 }
 
 impl TcpBlend {
@@ -242,7 +249,7 @@ impl TcpBlend {
         let [alpha, bulge] = mixing(self.kappa, s);
         let position_m = std::array::from_fn(|i| {
             let (a, b) = (a.position_m[i], b.position_m[i]);
-            a + alpha * (b - a) - bulge * self.turn[i]
+            a + alpha * (b - a) - bulge * self.derivative_change[i]
         });
         let between = log(&product(&transposed(&a.rotation), &b.rotation));
         let rotation = product(&a.rotation, &exp(&between.map(|v| alpha * v)));

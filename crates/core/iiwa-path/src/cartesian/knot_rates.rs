@@ -1,4 +1,4 @@
-//! Derivatives of a spline at its knots, by chord length.
+//! Derivatives of a spline at its knots, with respect to chord length.
 //!
 //! With d1, d2 the chords before and after an inner knot and s1, s2 the secants (step over chord),
 //! the parabola through the knot and its two direct neighbours has the derivatives

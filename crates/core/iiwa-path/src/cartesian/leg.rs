@@ -34,7 +34,7 @@ pub(crate) fn legs(program: &Program, robot: &Arc<Robot>) -> Result<Vec<Option<L
     for (motion, entry) in program.entries() {
         let leg = match entry {
             Motion::Ptp(ptp) => Some(Leg { ends_rad: [at_rad, ptp.target_rad], paths: Vec::new() }),
-            Motion::Wait { .. } | Motion::Load(_) => None,
+            Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => None,
             Motion::Cartesian(cartesian) => {
                 Some(leg(program, robot, &at_rad, cartesian).map_err(|(key, fault)| {
                     Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) }

@@ -48,7 +48,7 @@ impl<const N: usize> Quintic<N> {
         })
     }
 
-    /// Value, first and second derivative by the share.
+    /// Value, first and second derivative with respect to the share.
     pub(crate) fn derivatives(&self, x: f64) -> [[f64; N]; 3] {
         let series = self.at(Taylor::variable(x)).map(Taylor::derivatives);
         std::array::from_fn(|order| series.map(|derivatives| derivatives[order]))

@@ -7,8 +7,8 @@ use super::{
     quintic::{Quintic, Rates},
 };
 
-/// Magnitude of the first derivative by chord length below which the TCP reverses: in recordings,
-/// it did not stop at 0.176.
+/// Magnitude of the first derivative with respect to chord length below which the TCP reverses: in
+/// recordings, it did not stop at 0.176.
 const REVERSAL: f64 = 1e-3;
 
 /// Share of the chord next to a reversal at a knot in which a second reversal is rounding.

@@ -180,7 +180,7 @@ impl GivenRates {
     }
 }
 
-/// Converts derivatives by the share of a segment of `length` into rates by length.
+/// Converts derivatives with respect to the share of a segment of `length` into rates by length.
 fn by_length(series: &[Taylor; 3], length: f64) -> Rates<3> {
     let derivatives = series.map(Taylor::derivatives);
     Rates {

@@ -11,7 +11,7 @@ use iiwa_kin::{
 use iiwa_program::CourseFault;
 
 use super::{chord_curve::ChordCurve, quintic::Linked};
-use crate::tool_way::ToolWay;
+use crate::segment::ToolWay;
 
 /// Course of the TCP in the robot base, for s from 0 to 1.
 #[derive(Clone, Debug)]

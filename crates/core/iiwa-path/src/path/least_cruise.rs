@@ -8,10 +8,11 @@ use iiwa_program::{LimitKind, MotionLimits, MotionType};
 use super::JointPath;
 use crate::{segment::Segment, step::Step};
 
-/// Places of a motion at which the TCP speed is computed that the joints allow.
+/// Values of s at which the largest TCP speed within the joint velocity limits is computed.
 const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Upper bound on the ratio of the TCP speed between these places to that at the places.
+/// Upper bound on the ratio of the maximum of this speed along the motion to its maximum at these
+/// places.
 const BETWEEN: f64 = 1.5;
 
 impl JointPath {
@@ -52,8 +53,8 @@ impl JointPath {
     }
 }
 
-/// Upper bound on the TCP speed in m/s that the velocity limits allow on a path with constant
-/// dl/ds.
+/// Returns an upper bound on the TCP speed within the velocity limits, in m/s, on a path with
+/// constant dl/ds.
 fn top_speed(segment: &dyn Segment, limits: &MotionLimits) -> f64 {
     let joints = PLACES.map(|s| {
         let [way_m, ..] = segment.tool_way(s).way_m;

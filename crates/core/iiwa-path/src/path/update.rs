@@ -3,14 +3,7 @@
 use std::{ops::Range, sync::Arc};
 
 use super::JointPath;
-use crate::{
-    builder::steps,
-    carried::Carried,
-    options::PathOptions,
-    path_motion::{has_tools, path_motions},
-    segment::Segment,
-    step::Step,
-};
+use crate::{builder::steps, carried::Carried, options::PathOptions, segment::Segment, step::Step};
 use iiwa_program::{Fault, Motion, MotionIndex, MotionLimits, Program};
 
 /// Steps that an [update](JointPath::update) replaced. All other steps are unchanged.
@@ -48,7 +41,7 @@ impl JointPath {
         program.check_motions(range.clone(), self.robot.limits())?;
         let before = self.steps_of(&range);
         let mut new = steps(program, &self.robot, options, range)?;
-        let motions = path_motions(program)?;
+        let carried = Carried::new(program)?;
 
         let limits = MotionLimits::of_motion(
             &self.robot,
@@ -73,9 +66,7 @@ impl JointPath {
         let after = replaced.start..replaced.start + new.len();
 
         // All that can fail precedes the first change: after an error, the path is unchanged.
-        self.carried = Arc::new(Carried::new(program));
-        self.has_tools = has_tools(&motions);
-        self.motions = Arc::new(motions);
+        self.carried = Arc::new(carried);
         Arc::make_mut(&mut self.limits)[motion.index()] = limits;
         Arc::make_mut(&mut self.steps).splice(replaced.clone(), new);
         Ok(ReplacedSteps { before: replaced, after })

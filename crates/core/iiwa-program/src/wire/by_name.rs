@@ -24,7 +24,7 @@ pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
             while let Some(name) = map.next_key::<String>()? {
                 let JsonObject(value) = map.next_value()?;
                 if all.contains_key(&name) {
-                    let message = format!("the name `{}` is there twice", excerpt(&name));
+                    let message = format!("the name `{}` appears twice", excerpt(&name));
                     return Err(A::Error::custom(message));
                 }
                 all.insert(name, value);

@@ -7,15 +7,15 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::{
     by_name::word,
     exact::exact_deg,
-    frames::{PoseWire, TCP, TargetRefWire},
+    frames::{AuxRefWire, PoseWire, TCP, TargetRefWire},
     limits::limited_wire,
 };
 use crate::{
-    cartesian_motion::{AuxOrientation, CartesianMotion, Circ, Course, OrientationType, PathBlend},
-    frame::Frame,
+    cartesian_motion::{
+        AuxOrientation, CartesianMotion, Circ, Course, OrientationType, PathBlend, SegmentLimits,
+    },
     program::Motion,
-    segment_limits::SegmentLimits,
-    target::TargetRef,
+    target::{Frame, TargetRef},
 };
 
 /// Declares a TCP path type with the common keys of all TCP paths.
@@ -34,7 +34,7 @@ macro_rules! path_wire {
 
         limited_wire! {
             $(#[$meta])*
-            $name {
+            $name declared by noted_wire {
                 r#type: $tag,
                 $($(#[$field_meta])* $field: $field_type,)*
                 /// Moved TCP, `TOOL` or `TOOL/TIP`, or `flange`; the program's by default.
@@ -47,9 +47,9 @@ macro_rules! path_wire {
                 #[serde(
                     default,
                     deserialize_with = "word",
-                    skip_serializing_if = "OrientationWire::is_variable"
+                    skip_serializing_if = "is_default"
                 )]
-                orientation: OrientationWire,
+                orientation: OrientationType,
             } {
                 /// Blend at the target; without a blend the robot stops there.
                 #[serde(
@@ -59,25 +59,14 @@ macro_rules! path_wire {
                 )]
                 blend: Option<PathBlendWire>,
                 /// `true` if the program waits for the end of the motion before it sends the next
-                /// one, like Sunrise's `move`: a longer pause follows. Not allowed together with a
-                /// blend.
+                /// one, like Sunrise's `move`: a longer standstill follows. Not allowed together
+                /// with a blend.
                 #[serde(default, skip_serializing_if = "std::ops::Not::not")]
                 blocking: bool,
-                /// Source line of the motion.
-                #[serde(
-                    default,
-                    deserialize_with = "iiwa_json::object_or_null",
-                    skip_serializing_if = "Option::is_none"
-                )]
-                source: Option<crate::wire::source::SourceWire>,
             }
         }
 
         impl $name {
-            pub(super) fn source_mut(&mut self) -> &mut Option<crate::wire::source::SourceWire> {
-                &mut self.source
-            }
-
             /// Converts to a motion on `course`.
             fn on(self, course: Course) -> Motion {
                 let limits = self.limits();
@@ -87,7 +76,7 @@ macro_rules! path_wire {
                     base: self.base,
                     shares: limits.shares.map(|_, share| share.unwrap_or([1.0; 7])),
                     tool_limits: limits.tool,
-                    orientation: self.orientation.into(),
+                    orientation: self.orientation,
                     blend: self.blend.map(PathBlendWire::blend),
                     blocking: self.blocking,
                 }))
@@ -104,7 +93,7 @@ macro_rules! path_wire {
                     $($field,)*
                     tool: motion.tool.clone(),
                     base: motion.base.clone(),
-                    orientation: motion.orientation.into(),
+                    orientation: motion.orientation,
                     blend: motion.blend.map(PathBlendWire::from),
                     blocking: motion.blocking,
                     ..Self::default()
@@ -147,7 +136,7 @@ path_wire! {
     #[schemars(rename = "Circ")]
     CircWire, CircTag = "circ" {
         /// Auxiliary frame between start and end frame.
-        aux: TargetRefWire,
+        aux: AuxRefWire,
         /// End frame of the circle.
         frame: TargetRefWire,
         /// Angle of the arc, in degrees; the arc ends at the end frame by default.
@@ -158,8 +147,8 @@ path_wire! {
         #[serde(default, deserialize_with = "word", skip_serializing_if = "ReferenceWire::is_base")]
         orientation_reference: ReferenceWire,
         /// Use of the auxiliary frame's orientation.
-        #[serde(default, deserialize_with = "word", skip_serializing_if = "AuxWire::is_consider")]
-        aux_orientation: AuxWire,
+        #[serde(default, deserialize_with = "word", skip_serializing_if = "is_default")]
+        aux_orientation: AuxOrientation,
         /// Place where the end frame's orientation is reached, for an arc with an angle.
         #[serde(
             default,
@@ -209,7 +198,7 @@ impl LinRelWire {
 
 impl CircWire {
     pub(super) fn motion(mut self) -> Result<Motion, Wrong> {
-        let aux = std::mem::take(&mut self.aux).target();
+        let aux = std::mem::take(&mut self.aux);
         let to = std::mem::take(&mut self.frame).target();
         let options = CircOptions {
             angle_deg: self.circ_angle_deg,
@@ -217,9 +206,8 @@ impl CircWire {
             aux: self.aux_orientation,
             end: self.end_orientation,
         };
-        let [aux, to] =
-            [aux.map_err(|message| ("aux", message))?, to.map_err(|message| ("frame", message))?];
-        Ok(self.on(Course::Circ(options.circ(aux, to))))
+        let circ = options.circ(aux, to.map_err(|message| ("frame", message)));
+        Ok(self.on(Course::Circ(circ?)))
     }
 
     pub(super) fn new(motion: &CartesianMotion, circ: &Circ) -> Self {
@@ -232,24 +220,34 @@ impl CircWire {
 pub(super) struct CircOptions {
     pub(super) angle_deg: Option<f64>,
     pub(super) reference: ReferenceWire,
-    pub(super) aux: AuxWire,
+    pub(super) aux: AuxOrientation,
     pub(super) end: EndWire,
 }
 
 impl CircOptions {
-    pub(super) fn circ(self, aux: TargetRef, to: TargetRef) -> Circ {
-        Circ {
+    /// Builds the circle. The orientation of an auxiliary position without one is ignored.
+    pub(super) fn circ(
+        mut self,
+        aux: AuxRefWire,
+        to: Result<TargetRef, Wrong>,
+    ) -> Result<Circ, Wrong> {
+        let (aux, has_orientation) = aux.target().map_err(|message| ("aux", message))?;
+        if !has_orientation {
+            if self.aux == AuxOrientation::Interpolate {
+                let message = "`aux_orientation` is `interpolate`, which needs `a_deg`, `b_deg` \
+                               and `c_deg`";
+                return Err(("aux", message.to_owned()));
+            }
+            self.aux = AuxOrientation::Ignore;
+        }
+        Ok(Circ {
             aux,
-            to,
+            to: to?,
             angle_rad: self.angle_deg.map(f64::to_radians),
             turns_with_path: !self.reference.is_base(),
-            aux_orientation: match self.aux {
-                AuxWire::Consider => AuxOrientation::Consider,
-                AuxWire::Interpolate => AuxOrientation::Interpolate,
-                AuxWire::Ignore => AuxOrientation::Ignore,
-            },
+            aux_orientation: self.aux,
             extrapolates: !self.end.is_interpolate(),
-        }
+        })
     }
 }
 
@@ -258,59 +256,15 @@ impl From<&Circ> for CircOptions {
         Self {
             angle_deg: circ.angle_rad.map(exact_deg),
             reference: if circ.turns_with_path { ReferenceWire::Path } else { ReferenceWire::Base },
-            aux: match circ.aux_orientation {
-                AuxOrientation::Consider => AuxWire::Consider,
-                AuxOrientation::Interpolate => AuxWire::Interpolate,
-                AuxOrientation::Ignore => AuxWire::Ignore,
-            },
+            aux: circ.aux_orientation,
             end: if circ.extrapolates { EndWire::Extrapolate } else { EndWire::Interpolate },
         }
     }
 }
 
-/// Interpolation of the orientation along a path.
-#[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-#[schemars(rename = "OrientationType")]
-pub(super) enum OrientationWire {
-    /// One rotation about a fixed axis, uniform along the path.
-    #[default]
-    Variable,
-    /// As at the start.
-    Constant,
-    /// Joints A5 to A7 move uniformly to their target positions; not for splines.
-    OriJoint,
-    /// Only on spline segments: the orientation at the end is interpolated between its neighbours.
-    Ignore,
-}
-
-impl OrientationWire {
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-    pub(super) fn is_variable(&self) -> bool {
-        *self == Self::Variable
-    }
-}
-
-impl From<OrientationWire> for OrientationType {
-    fn from(wire: OrientationWire) -> Self {
-        match wire {
-            OrientationWire::Variable => Self::Variable,
-            OrientationWire::Constant => Self::Constant,
-            OrientationWire::OriJoint => Self::Joints,
-            OrientationWire::Ignore => Self::Ignore,
-        }
-    }
-}
-
-impl From<OrientationType> for OrientationWire {
-    fn from(orientation: OrientationType) -> Self {
-        match orientation {
-            OrientationType::Variable => Self::Variable,
-            OrientationType::Constant => Self::Constant,
-            OrientationType::Joints => Self::OriJoint,
-            OrientationType::Ignore => Self::Ignore,
-        }
-    }
+/// Returns true for the default of a key, which is not written.
+pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// Reference of the orientation on a circle.
@@ -329,27 +283,6 @@ impl ReferenceWire {
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
     pub(super) fn is_base(&self) -> bool {
         *self == Self::Base
-    }
-}
-
-/// Use of the auxiliary frame's orientation.
-#[derive(Clone, Copy, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-#[schemars(rename = "AuxOrientation")]
-pub(super) enum AuxWire {
-    /// Reached somewhere on the path.
-    #[default]
-    Consider,
-    /// Reached at the auxiliary frame.
-    Interpolate,
-    /// Ignored.
-    Ignore,
-}
-
-impl AuxWire {
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-    pub(super) fn is_consider(&self) -> bool {
-        *self == Self::Consider
     }
 }
 

@@ -2,11 +2,7 @@
 
 use iiwa_json::{JsonPlace, Unread, element_at, excerpt, problem};
 
-use crate::{
-    fault::Fault,
-    motion_index::MotionIndex,
-    source::{Source, Sources},
-};
+use crate::{fault::Fault, motion_index::MotionIndex, source::Sources};
 
 /// Version of the program format that this library reads.
 pub(super) const VERSION: u64 = 1;
@@ -16,14 +12,14 @@ pub(super) const VERSION: u64 = 1;
 #[non_exhaustive]
 pub enum ProgramError {
     /// The text is not JSON, or does not have the structure of a program.
-    #[error("{}{message}, at {place}", motion_prefix(*.motion, .made_from.as_ref()))]
+    #[error("{}{message}, at {place}", motion_prefix(*.motion, .sources))]
     Json {
         /// Description of the found and the expected text.
         message: String,
         /// Motion index, if the error is in a motion.
         motion: Option<MotionIndex>,
-        /// Source of the motion, if known.
-        made_from: Option<Source>,
+        /// Known source and name of the motion.
+        sources: Sources,
         /// Place in the text.
         place: JsonPlace,
     },
@@ -62,7 +58,7 @@ pub enum ProgramError {
     Fault {
         /// Fault of the program.
         fault: Fault,
-        /// Known sources of the motions.
+        /// Known sources and names of the motions.
         sources: Sources,
         /// Place in the text.
         place: JsonPlace,
@@ -96,8 +92,8 @@ impl ProgramError {
     #[must_use]
     pub fn message(&self) -> String {
         match self {
-            Self::Json { message, motion, made_from, .. } => {
-                format!("{}{message}", motion_prefix(*motion, made_from.as_ref()))
+            Self::Json { message, motion, sources, .. } => {
+                format!("{}{message}", motion_prefix(*motion, sources))
             }
             Self::Version { found, .. } => {
                 format!("this is a program of version {found}; version {VERSION} is understood")
@@ -110,11 +106,11 @@ impl ProgramError {
         }
     }
 
-    /// Adds the source of the motion.
-    pub(super) fn with_source(self, made_from: Option<Source>) -> Self {
+    /// Adds source and name of the motion.
+    pub(super) fn with_sources(self, sources: Sources) -> Self {
         match self {
             Self::Json { message, motion, place, .. } => {
-                Self::Json { message, motion, made_from, place }
+                Self::Json { message, motion, sources, place }
             }
             other => other,
         }
@@ -129,12 +125,9 @@ impl ProgramError {
     }
 }
 
-fn motion_prefix(motion: Option<MotionIndex>, source: Option<&Source>) -> String {
-    match (motion, source) {
-        (None, _) => String::new(),
-        (Some(motion), None) => format!("motion {motion}: "),
-        (Some(motion), Some(source)) => format!("motion {motion} ({source}): "),
-    }
+fn motion_prefix(motion: Option<MotionIndex>, sources: &Sources) -> String {
+    let prefix = |motion| format!("motion {motion}{}: ", sources.suffix(motion));
+    motion.map(prefix).unwrap_or_default()
 }
 
 /// Error of a part of a text that cannot be read.
@@ -145,8 +138,22 @@ pub(super) fn json_error(
     error: &serde_json::Error,
 ) -> ProgramError {
     let place = JsonPlace::of_error(text, part, error);
-    // A JSON syntax error is found before the text is split into motions.
-    let motion =
-        motion.or_else(|| element_at(text, "motions", place.span.start).map(MotionIndex::new));
-    ProgramError::Json { message: problem(error), motion, made_from: None, place }
+    // A JSON syntax error is found before the text is split into motions. In or after a repeat
+    // block, the motion number is unknown.
+    let before = &text[..place.span.start];
+    let element = || element_at(text, "motions", place.span.start).map(MotionIndex::new);
+    let motion = motion.or_else(|| element().filter(|_| !before.contains("\"repeat\"")));
+    let at_place = &text[place.span.start..];
+    let message = match problem(error) {
+        _ if error.is_syntax() && ["//", "/*", "#"].iter().any(|it| at_place.starts_with(it)) => {
+            "comments are not part of JSON; remove the comment".to_owned()
+        }
+        // A tool has its mass within its load.
+        message if message.starts_with("unknown key `mass") && message.contains("`load`") => {
+            let (unknown, _) = message.split_once(", ").unwrap_or((&message, ""));
+            format!("{unknown}; did you mean `load.mass_kg`?")
+        }
+        message => message,
+    };
+    ProgramError::Json { message, motion, sources: Sources::default(), place }
 }

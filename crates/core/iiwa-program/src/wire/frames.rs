@@ -2,8 +2,8 @@
 
 use std::{collections::BTreeMap, fmt};
 
-use iiwa_json::{excerpt, numbers, object, object_or_null};
-use iiwa_kin::{Load, Status};
+use iiwa_json::{excerpt, object, object_or_null};
+use iiwa_kin::Status;
 use schemars::JsonSchema;
 use serde::{
     Deserialize, Deserializer, Serialize,
@@ -11,10 +11,9 @@ use serde::{
 };
 use serde_json::{Value, json};
 
-use super::{by_name::by_name, exact::exact_deg};
+use super::{by_name::by_name, shapes::LoadWire};
 use crate::{
-    frame::Frame,
-    target::{Target, TargetRef},
+    target::{Frame, Target, TargetRef},
     workcell::{Base, FLANGE, ROBOT, Tool, Workcell},
 };
 
@@ -59,12 +58,12 @@ macro_rules! pose_wire {
         }
 
         impl $name {
-            fn written(&self) -> Written {
-                Written {
-                    xyz_mm: [self.x_mm, self.y_mm, self.z_mm],
-                    abc_deg: [self.a_deg, self.b_deg, self.c_deg],
-                    abc_rad: [self.a_rad, self.b_rad, self.c_rad],
-                }
+            /// Converts to a frame; absent numbers are zero unless `needs_all`.
+            fn given_frame(&self, needs_all: bool) -> Result<Frame, String> {
+                let xyz_mm = [self.x_mm, self.y_mm, self.z_mm];
+                let abc_deg = [self.a_deg, self.b_deg, self.c_deg];
+                let abc_rad = [self.a_rad, self.b_rad, self.c_rad];
+                frame_of(xyz_mm, abc_deg, abc_rad, needs_all)
             }
         }
 
@@ -78,39 +77,35 @@ macro_rules! pose_wire {
     };
 }
 
-/// Given numbers of a pose.
-struct Written {
+/// Frame of the given numbers of a pose; absent numbers are zero unless `needs_all`.
+fn frame_of(
     xyz_mm: [Option<f64>; 3],
     abc_deg: [Option<f64>; 3],
     abc_rad: [Option<f64>; 3],
-}
-
-impl Written {
-    /// Converts to a frame; absent numbers are zero unless `needs_all`.
-    fn frame(&self, needs_all: bool) -> Result<Frame, String> {
-        let mut frame = Frame::default();
-        for i in 0..3 {
-            let length = ["x", "y", "z"][i];
-            frame.xyz_mm[i] = match self.xyz_mm[i] {
-                Some(value) => value,
-                None if needs_all => return Err(format!("`{length}_mm` is missing")),
-                None => 0.0,
-            };
-        }
-        for i in 0..3 {
-            let angle = ["a", "b", "c"][i];
-            frame.abc_rad[i] = match (self.abc_deg[i], self.abc_rad[i]) {
-                (Some(_), Some(_)) => {
-                    return Err(format!("give either `{angle}_deg` or `{angle}_rad`, not both"));
-                }
-                (Some(deg), None) => deg.to_radians(),
-                (None, Some(rad)) => rad,
-                (None, None) if needs_all => return Err(format!("`{angle}_deg` is missing")),
-                (None, None) => 0.0,
-            };
-        }
-        Ok(frame)
+    needs_all: bool,
+) -> Result<Frame, String> {
+    let mut frame = Frame::default();
+    for i in 0..3 {
+        let length = ["x", "y", "z"][i];
+        frame.xyz_mm[i] = match xyz_mm[i] {
+            Some(value) => value,
+            None if needs_all => return Err(format!("`{length}_mm` is missing")),
+            None => 0.0,
+        };
     }
+    for i in 0..3 {
+        let angle = ["a", "b", "c"][i];
+        frame.abc_rad[i] = match (abc_deg[i], abc_rad[i]) {
+            (Some(_), Some(_)) => {
+                return Err(format!("give either `{angle}_deg` or `{angle}_rad`, not both"));
+            }
+            (Some(deg), None) => deg.to_radians(),
+            (None, Some(rad)) => rad,
+            (None, None) if needs_all => return Err(format!("`{angle}_deg` is missing")),
+            (None, None) => 0.0,
+        };
+    }
+    Ok(frame)
 }
 
 pose_wire! {
@@ -180,13 +175,13 @@ fn once(angles: &[&str]) -> Value {
 
 impl PoseWire {
     pub(super) fn frame(&self) -> Result<Frame, String> {
-        self.written().frame(false)
+        self.given_frame(false)
     }
 }
 
 impl TargetWire {
     pub(super) fn target(self) -> Result<Target, String> {
-        let frame = self.written().frame(true)?;
+        let frame = self.given_frame(true)?;
         let e1_rad = match (self.e1_deg, self.e1_rad) {
             (Some(_), Some(_)) => {
                 return Err("give either `e1_deg` or `e1_rad`, not both".to_owned());
@@ -271,6 +266,80 @@ impl From<&TargetRef> for TargetRefWire {
     }
 }
 
+/// An auxiliary frame, its position alone, or the name of a frame.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(rename = "AuxFrame")]
+pub(super) enum AuxRefWire {
+    /// Name of one of `frames`.
+    Named(String),
+    Given(TargetWire),
+    Point(PointWire),
+}
+
+/// The position of an auxiliary frame. Without an orientation, `aux_orientation` is `ignore`.
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "Point", deny_unknown_fields)]
+pub(super) struct PointWire {
+    /// Position, in mm.
+    x_mm: f64,
+    /// Position, in mm.
+    y_mm: f64,
+    /// Position, in mm.
+    z_mm: f64,
+    /// Base in which the position is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    base: Option<String>,
+}
+
+impl Default for AuxRefWire {
+    fn default() -> Self {
+        Self::Named(String::new())
+    }
+}
+
+impl<'de> Deserialize<'de> for AuxRefWire {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        let target = match TargetRefWire::deserialize(reader)? {
+            TargetRefWire::Named(name) => return Ok(Self::Named(name)),
+            TargetRefWire::Given(target) => target,
+        };
+        let TargetWire { a_deg, b_deg, c_deg, a_rad, b_rad, c_rad, e1_deg, e1_rad, .. } = target;
+        let angles = [a_deg, b_deg, c_deg, a_rad, b_rad, c_rad, e1_deg, e1_rad];
+        let has_others =
+            target.status.or(target.turn).is_some() || angles.iter().any(Option::is_some);
+        match [target.x_mm, target.y_mm, target.z_mm] {
+            [Some(x_mm), Some(y_mm), Some(z_mm)] if !has_others => {
+                Ok(Self::Point(PointWire { x_mm, y_mm, z_mm, base: target.base }))
+            }
+            _ => Ok(Self::Given(target)),
+        }
+    }
+}
+
+impl AuxRefWire {
+    /// Converts to a target, and tells if the target has an orientation.
+    pub(super) fn target(self) -> Result<(TargetRef, bool), String> {
+        match self {
+            Self::Named(name) => Ok((TargetRef::Named(name), true)),
+            Self::Given(target) => Ok((TargetRef::Given(target.target()?), true)),
+            Self::Point(PointWire { x_mm, y_mm, z_mm, base }) => {
+                let frame = Frame { xyz_mm: [x_mm, y_mm, z_mm], ..Frame::default() };
+                Ok((TargetRef::Given(Target { base, ..Target::at(frame) }), false))
+            }
+        }
+    }
+}
+
+impl From<&TargetRef> for AuxRefWire {
+    fn from(target: &TargetRef) -> Self {
+        match target {
+            TargetRef::Named(name) => Self::Named(name.clone()),
+            TargetRef::Given(target) => Self::Given(target.into()),
+        }
+    }
+}
+
 /// A tool at the flange.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -287,33 +356,6 @@ pub(super) struct ToolWire {
     load: Option<LoadWire>,
 }
 
-/// A payload at the flange.
-#[derive(Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "Load")]
-pub(super) struct LoadWire {
-    /// Mass, in kg.
-    #[schemars(range(min = 0))]
-    mass_kg: f64,
-    /// Centre of mass in the flange frame, in mm.
-    #[serde(default, deserialize_with = "three")]
-    center_mm: [f64; 3],
-    /// Principal moments of inertia about the centre of mass, in kg m^2.
-    #[serde(default, deserialize_with = "three")]
-    inertia_kg_m2: [f64; 3],
-    /// Orientation of the principal axes in the flange frame, in degrees.
-    #[serde(default, deserialize_with = "three", skip_serializing_if = "is_zero")]
-    abc_deg: [f64; 3],
-}
-
-fn three<'de, D: Deserializer<'de>>(reader: D) -> Result<[f64; 3], D::Error> {
-    numbers(reader, "three numbers")
-}
-
-fn is_zero(numbers: &[f64; 3]) -> bool {
-    *numbers == [0.0; 3]
-}
-
 impl ToolWire {
     fn tool(self) -> Result<Tool, String> {
         let tip = |(name, pose): (String, PoseWire)| match pose.frame() {
@@ -321,10 +363,10 @@ impl ToolWire {
             Err(message) => Err(format!("`{}`: {message}", excerpt(&name))),
         };
         let load = self.load.map(|load| {
-            if load.mass_kg >= 0.0 {
-                Ok(Load::from(load))
+            if load.mass_kg() >= 0.0 {
+                load.payload().map_err(|fault| fault.to_string())
             } else {
-                Err(format!("mass_kg is {}; it must be 0 or more", load.mass_kg))
+                Err(format!("mass_kg is {}; it must be 0 or more", load.mass_kg()))
             }
         });
         Ok(Tool {
@@ -342,28 +384,6 @@ impl From<&Tool> for ToolWire {
             tcp: (&tool.tcp).into(),
             tips: tool.tips.iter().map(tip).collect(),
             load: tool.load.as_ref().map(LoadWire::from),
-        }
-    }
-}
-
-impl From<LoadWire> for Load {
-    fn from(wire: LoadWire) -> Self {
-        Self {
-            mass_kg: wire.mass_kg,
-            center_mm: wire.center_mm,
-            inertia_kg_m2: wire.inertia_kg_m2,
-            abc_rad: wire.abc_deg.map(f64::to_radians),
-        }
-    }
-}
-
-impl From<&Load> for LoadWire {
-    fn from(load: &Load) -> Self {
-        Self {
-            mass_kg: load.mass_kg,
-            center_mm: load.center_mm,
-            inertia_kg_m2: load.inertia_kg_m2,
-            abc_deg: load.abc_rad.map(exact_deg),
         }
     }
 }
@@ -410,8 +430,7 @@ pub(super) fn workcell(
     }
     for (name, wire) in bases {
         check_name("bases", &name, ROBOT, "the robot's foot")?;
-        let frame =
-            wire.written().frame(false).map_err(|message| ("bases", name.clone(), message))?;
+        let frame = wire.given_frame(false).map_err(|message| ("bases", name.clone(), message))?;
         workcell.bases.insert(name, Base { frame, base: wire.base });
     }
     for (name, wire) in frames {

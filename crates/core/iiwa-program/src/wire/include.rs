@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{JsonStep, Unread, locate, read_version};
+use iiwa_json::{JsonStep, Unread, locate, read_version, without_mark};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::IgnoredAny};
 use serde_json::value::RawValue;
@@ -13,7 +13,7 @@ use super::{
     frames::{BaseWire, TargetWire, ToolWire},
     workcell::named,
 };
-use crate::{program::Program, workcell::Workcell};
+use crate::{program::Program, source::Sources, workcell::Workcell};
 
 /// Tools, bases and frames of a workcell, for the programs that include them.
 #[derive(Deserialize, Serialize, JsonSchema)]
@@ -49,7 +49,8 @@ impl Workcell {
     /// ```
     /// use iiwa_program::Workcell;
     ///
-    /// let cell = Workcell::from_json(r#"{ "version": 1, "bases": { "table": { "x_mm": 500 } } }"#)?;
+    /// let text = r#"{ "version": 1, "bases": { "table": { "x_mm": 500 } } }"#;
+    /// let cell = Workcell::from_json(text)?;
     /// assert_eq!(cell.bases["table"].frame.xyz_mm, [500.0, 0.0, 0.0]);
     /// assert_eq!(Workcell::from_json(&cell.to_json())?, cell);
     /// # Ok::<(), iiwa_program::ProgramError>(())
@@ -59,6 +60,7 @@ impl Workcell {
     ///
     /// If the text is something else; the error gives the place in the text.
     pub fn from_json(text: &str) -> Result<Self, ProgramError> {
+        let text = without_mark(text);
         let wire =
             read_version(text, VERSION, |wire: &FramesWire| wire.version).map_err(|error| {
                 match error {
@@ -67,16 +69,21 @@ impl Workcell {
                             "these are frames of version {found}; version {VERSION} is understood"
                         ),
                         motion: None,
-                        made_from: None,
+                        sources: Sources::default(),
                         place,
                     },
                     error @ Unread::Json(_) => ProgramError::unread(text, error),
                 }
             })?;
         if wire.include.is_some() {
-            let message = "a file that is included includes no other".to_owned();
+            let message = "an included file cannot include other files".to_owned();
             let place = locate(text, &[JsonStep::Key("include")]);
-            return Err(ProgramError::Json { message, motion: None, made_from: None, place });
+            return Err(ProgramError::Json {
+                message,
+                motion: None,
+                sources: Sources::default(),
+                place,
+            });
         }
         named(text, wire.tools, wire.bases, wire.frames)
     }
@@ -130,6 +137,7 @@ impl Program {
         fn read<'a, T: Deserialize<'a>>(text: &'a str, part: &'a str) -> Result<T, ProgramError> {
             serde_json::from_str(part).map_err(|error| json_error(text, part, None, &error))
         }
+        let [text, included] = [text, included].map(without_mark);
         let mut program: RawKeys<'_> = read(text, text)?;
         let file: RawKeys<'_> = read(included, included)?;
         program.remove("include");
@@ -170,5 +178,5 @@ pub(super) fn included(
 
 /// Reader for texts without access to files.
 pub(super) fn no_files(_: &str) -> Result<String, String> {
-    Err("only the text of the program is at hand, and no other file".to_owned())
+    Err("only the text of the program is available, but no other file".to_owned())
 }

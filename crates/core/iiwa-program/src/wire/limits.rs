@@ -1,18 +1,94 @@
-//! Limit keys of TCP paths and spline segments.
+//! Limit keys of motions: shares of the joint limits, and limits of TCP paths and spline segments.
 
-use super::{
-    exact::{exact_deg, exact_mm},
-    share::Share,
+use std::fmt;
+
+use iiwa_json::Numbers;
+use iiwa_kin::Joints;
+use schemars::JsonSchema;
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{SeqAccess, Visitor},
 };
-use crate::{limit_kind::ByKind, segment_limits::SegmentLimits, tool_limits::ToolLimits};
+
+use crate::{cartesian_motion::SegmentLimits, limit_kind::ByKind, tool_limits::ToolLimits};
+
+/// One share for all joints, or one per joint.
+#[derive(Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub(super) enum Share {
+    All(#[schemars(extend("minimum" = 1e-6, "maximum" = 1))] f64),
+    Each(
+        #[schemars(extend(
+            "items" = { "type": "number", "minimum": 1e-6, "maximum": 1 }
+        ))]
+        Joints,
+    ),
+}
+
+impl Default for Share {
+    fn default() -> Self {
+        Self::All(1.0)
+    }
+}
+
+impl Share {
+    pub(super) fn is_full(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub(super) fn each(self) -> Joints {
+        match self {
+            Self::All(share) => [share; 7],
+            Self::Each(shares) => shares,
+        }
+    }
+}
+
+impl From<Joints> for Share {
+    fn from(shares: Joints) -> Self {
+        if shares.iter().all(|share| *share == shares[0]) {
+            Self::All(shares[0])
+        } else {
+            Self::Each(shares)
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Share {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ShareVisitor;
+        impl<'de> Visitor<'de> for ShareVisitor {
+            type Value = Share;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number above 0 and at most 1, or seven of them")
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<Share, E> {
+                Ok(Share::All(value))
+            }
+            fn visit_u64<E>(self, value: u64) -> Result<Share, E> {
+                Ok(Share::All(value as f64))
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<Share, E> {
+                Ok(Share::All(value as f64))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Share, A::Error> {
+                Numbers("seven shares, for joints A1 to A7").visit_seq(seq).map(Share::Each)
+            }
+        }
+        deserializer.deserialize_any(ShareVisitor)
+    }
+}
 
 /// Declares a type with the limit keys between its other keys.
+/// `declared by MACRO` selects the macro that declares the type.
 macro_rules! limited_wire {
     (
-        $(#[$meta:meta])* $name:ident
+        $(#[$meta:meta])* $name:ident declared by $declare:ident
         { $($(#[$before_meta:meta])* $before:ident: $before_type:ty,)* }
         { $($(#[$after_meta:meta])* $after:ident: $after_type:ty,)* }
     ) => {
+        $crate::wire::notes::$declare! {
         #[derive(Default, Deserialize, Serialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         $(#[$meta])*
@@ -20,13 +96,13 @@ macro_rules! limited_wire {
             $($(#[$before_meta])* $before: $before_type,)*
             /// Share of the joint speed limits, above 0 and at most 1.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            velocity_rel: Option<$crate::wire::share::Share>,
+            velocity_rel: Option<$crate::wire::limits::Share>,
             /// Share of the joint acceleration limits, above 0 and at most 1.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            acceleration_rel: Option<$crate::wire::share::Share>,
+            acceleration_rel: Option<$crate::wire::limits::Share>,
             /// Share of the joint jerk limits, above 0 and at most 1.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            jerk_rel: Option<$crate::wire::share::Share>,
+            jerk_rel: Option<$crate::wire::limits::Share>,
             /// TCP speed limit, in mm/s.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             #[schemars(extend("minimum" = 0.001))]
@@ -53,32 +129,38 @@ macro_rules! limited_wire {
             orientation_jerk_deg_s3: Option<f64>,
             $($(#[$after_meta])* $after: $after_type,)*
         }
+        }
 
         impl $name {
             /// Limits that are given.
-            fn limits(&self) -> $crate::segment_limits::SegmentLimits {
-                let values = $crate::wire::limits::LimitValues {
-                    shares: [self.velocity_rel, self.acceleration_rel, self.jerk_rel],
-                    way_mm: [
+            fn limits(&self) -> $crate::cartesian_motion::SegmentLimits {
+                $crate::wire::limits::given_limits(
+                    [self.velocity_rel, self.acceleration_rel, self.jerk_rel],
+                    [
                         self.cart_velocity_mm_s,
                         self.cart_acceleration_mm_s2,
                         self.cart_jerk_mm_s3,
                     ],
-                    turn_deg: [
+                    [
                         self.orientation_velocity_deg_s,
                         self.orientation_acceleration_deg_s2,
                         self.orientation_jerk_deg_s3,
                     ],
-                };
-                values.into()
+                )
             }
 
             /// Replaces the limits.
-            fn with_limits(self, limits: &$crate::segment_limits::SegmentLimits) -> Self {
-                let values = $crate::wire::limits::LimitValues::from(limits);
-                let [velocity_rel, acceleration_rel, jerk_rel] = values.shares;
-                let [velocity_mm, acceleration_mm, jerk_mm] = values.way_mm;
-                let [velocity_deg, acceleration_deg, jerk_deg] = values.turn_deg;
+            fn with_limits(self, limits: &$crate::cartesian_motion::SegmentLimits) -> Self {
+                use $crate::wire::{
+                    exact::{exact_deg, exact_mm},
+                    limits::{Share, written_limits},
+                };
+                let shares = limits.shares.into_array().map(|share| share.map(Share::from));
+                let [velocity_rel, acceleration_rel, jerk_rel] = shares;
+                let [velocity_mm, acceleration_mm, jerk_mm] =
+                    written_limits(&limits.tool.way, exact_mm);
+                let [velocity_deg, acceleration_deg, jerk_deg] =
+                    written_limits(&limits.tool.turn, exact_deg);
                 Self {
                     velocity_rel,
                     acceleration_rel,
@@ -98,41 +180,27 @@ macro_rules! limited_wire {
 
 pub(super) use limited_wire;
 
-/// Values of the limit keys, for velocity, acceleration and jerk.
-pub(super) struct LimitValues {
-    pub(super) shares: [Option<Share>; 3],
-    /// Path limits, in mm over s to the power of the kind's order.
-    pub(super) way_mm: [Option<f64>; 3],
-    /// Orientation limits, in degrees over s to the same power.
-    pub(super) turn_deg: [Option<f64>; 3],
-}
-
-impl From<LimitValues> for SegmentLimits {
-    fn from(values: LimitValues) -> Self {
-        let or_unlimited =
-            |limit: Option<f64>, unit: fn(f64) -> f64| limit.map_or(f64::INFINITY, unit);
-        let LimitValues { shares, way_mm, turn_deg } = values;
-        Self {
-            shares: ByKind::from_array(shares.map(|share| share.map(Share::each))),
-            tool: ToolLimits {
-                way: ByKind::from_array(
-                    way_mm.map(|limit| or_unlimited(limit, |limit| 1e-3 * limit)),
-                ),
-                turn: ByKind::from_array(
-                    turn_deg.map(|limit| or_unlimited(limit, f64::to_radians)),
-                ),
-            },
-        }
+/// Limits given by the values of their keys, for velocity, acceleration and jerk: shares of the
+/// joint limits, path limits in mm and orientation limits in degrees, over s to the power of the
+/// kind's order.
+pub(super) fn given_limits(
+    shares: [Option<Share>; 3],
+    way_mm: [Option<f64>; 3],
+    turn_deg: [Option<f64>; 3],
+) -> SegmentLimits {
+    let in_si = |limits: [Option<f64>; 3], unit: fn(f64) -> f64| {
+        ByKind::from_array(limits.map(|limit| limit.map_or(f64::INFINITY, unit)))
+    };
+    SegmentLimits {
+        shares: ByKind::from_array(shares.map(|share| share.map(Share::each))),
+        tool: ToolLimits {
+            way: in_si(way_mm, |limit| 1e-3 * limit),
+            turn: in_si(turn_deg, f64::to_radians),
+        },
     }
 }
 
-impl From<&SegmentLimits> for LimitValues {
-    fn from(SegmentLimits { shares, tool }: &SegmentLimits) -> Self {
-        let if_limited = |limit: f64, unit: fn(f64) -> f64| limit.is_finite().then(|| unit(limit));
-        Self {
-            shares: shares.into_array().map(|share| share.map(Share::from)),
-            way_mm: tool.way.into_array().map(|limit| if_limited(limit, exact_mm)),
-            turn_deg: tool.turn.into_array().map(|limit| if_limited(limit, exact_deg)),
-        }
-    }
+/// Values of the keys of TCP limits in their `unit`; `None` where unlimited.
+pub(super) fn written_limits(limits: &ByKind<f64>, unit: fn(f64) -> f64) -> [Option<f64>; 3] {
+    limits.into_array().map(|limit| limit.is_finite().then(|| unit(limit)))
 }

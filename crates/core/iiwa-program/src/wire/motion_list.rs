@@ -1,15 +1,19 @@
 //! JSON form of motion lists.
 
-use iiwa_json::{JsonObject, JsonStep, locate};
+use std::collections::BTreeMap;
+
+use iiwa_json::{JsonObject, JsonStep, locate, object_or_null};
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::RawValue;
 
 use super::{
+    by_name::{by_name, word_or_null},
+    entries::{EntryWire, checked, motions_out},
     error::{ProgramError, json_error},
-    motions::{MotionWire, checked, motions_out},
-    workcell::{WorkcellOut, WorkcellWire},
+    frames::{BaseWire, TargetWire, ToolWire},
+    workcell::{ModeWire, MountWire, WorkcellOut, mode_of, mount_of, named},
 };
-use crate::{motion_list::MotionList, source::Sources};
+use crate::{motion_list::MotionList, source::Sources, workcell::Workcell};
 
 impl MotionList {
     /// Reads `motions` of a JSON object, with `tools`, `bases`, `frames`, `tool`, `base`, `mode`
@@ -35,7 +39,13 @@ impl MotionList {
         let JsonObject(MotionsWire { motions }) = serde_json::from_str(text).map_err(fail)?;
         let JsonObject(wire) =
             serde_json::from_str::<JsonObject<WorkcellWire>>(text).map_err(fail)?;
-        let workcell = wire.workcell(text)?;
+        let workcell = Workcell {
+            tool: wire.tool,
+            base: wire.base,
+            mode: mode_of(wire.mode),
+            mount: mount_of(wire.mount),
+            ..named(text, wire.tools, wire.bases, wire.frames)?
+        };
         let in_use =
             [("tool", workcell.tcp(None).map(drop)), ("base", workcell.base(None).map(drop))];
         let list = Self { motions: Vec::new(), workcell, sources: Sources::default() };
@@ -44,7 +54,7 @@ impl MotionList {
             checked_frame.map_err(|fault| ProgramError::Json {
                 message: fault.to_string(),
                 motion: None,
-                made_from: None,
+                sources: Sources::default(),
                 place: locate(text, &[JsonStep::Key(key)]),
             })?;
         }
@@ -52,12 +62,13 @@ impl MotionList {
     }
 }
 
-/// Writes the motions as in a program, joints in rad; empty keys are left out.
+/// Writes the motions as in a program, joints in rad; empty keys are left out. Repeat blocks are
+/// written out, round by round, so that any reader of motions understands the list.
 impl Serialize for MotionList {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]
         struct MotionListOut<'a> {
-            motions: Vec<MotionWire>,
+            motions: Vec<EntryWire>,
             #[serde(flatten)]
             workcell: WorkcellOut<'a>,
         }
@@ -71,4 +82,23 @@ impl Serialize for MotionList {
 struct MotionsWire<'a> {
     #[serde(borrow)]
     motions: Vec<&'a RawValue>,
+}
+
+/// Keys that a motion list has in common with programs, which declare them with their schema.
+#[derive(Deserialize)]
+struct WorkcellWire {
+    #[serde(default, deserialize_with = "by_name")]
+    tools: BTreeMap<String, ToolWire>,
+    #[serde(default, deserialize_with = "by_name")]
+    bases: BTreeMap<String, BaseWire>,
+    #[serde(default, deserialize_with = "by_name")]
+    frames: BTreeMap<String, TargetWire>,
+    #[serde(default)]
+    tool: Option<String>,
+    #[serde(default)]
+    base: Option<String>,
+    #[serde(default, deserialize_with = "word_or_null")]
+    mode: Option<ModeWire>,
+    #[serde(default, deserialize_with = "object_or_null")]
+    mount: Option<MountWire>,
 }

@@ -1,11 +1,11 @@
 //! JSON form of point-to-point motions.
 
-use iiwa_json::{numbers, object_or_null, object_or_null_like};
+use iiwa_json::{numbers, object_or_null_like};
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
-use super::{frames::TargetRefWire, share::Share, source::SourceWire};
+use super::{frames::TargetRefWire, limits::Share, notes::noted_wire};
 use crate::{
     blend::Blend,
     cartesian_motion::{CartesianMotion, Course, PathBlend},
@@ -21,6 +21,7 @@ enum PtpTag {
     Ptp,
 }
 
+noted_wire! {
 /// A point-to-point motion, with its target as `joints_deg`, `joints_rad` or a `frame`.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -60,36 +61,21 @@ pub(super) struct PtpWire {
     jerk_rel: Share,
     /// Blend at the target; without a blend the robot stops there.
     #[serde(default, deserialize_with = "blend", skip_serializing_if = "Option::is_none")]
-    blend: Option<BlendWire>,
+    blend: Option<Blend>,
     /// `true` if the program waits for the end of the motion before it sends the next one, like
-    /// Sunrise's `move`: a longer pause follows. Not allowed together with a blend.
+    /// Sunrise's `move`: a longer standstill follows. Not allowed together with a blend.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     blocking: bool,
-    /// Source line of the motion.
-    #[serde(default, deserialize_with = "object_or_null", skip_serializing_if = "Option::is_none")]
-    pub(super) source: Option<SourceWire>,
+}
 }
 
-fn blend<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<BlendWire>, D::Error> {
+fn blend<'de, D: Deserializer<'de>>(reader: D) -> Result<Option<Blend>, D::Error> {
     object_or_null_like(reader, r#"an object such as { "fraction": 0.25 } or { "cart_mm": 30 }"#)
-}
-
-/// Zone about the target in which the path may leave the straight line and cut the corner.
-#[derive(Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-#[schemars(rename = "Blend")]
-enum BlendWire {
-    /// Share of each neighbouring motion (Larsen 2019, Eq. 36).
-    Fraction(#[schemars(range(min = 0, max = 0.5))] f64),
-    /// Sunrise's `setBlendingRel`: 1 is half of a motion; below 0.05 the robot stops.
-    SunriseRel(#[schemars(range(min = 0, max = 1))] f64),
-    /// Radius about the target, in mm; below 4 the robot stops.
-    CartMm(#[schemars(range(min = 0))] f64),
 }
 
 /// Custom reader, because serde's error messages for enumerations do not tell the user what to
 /// write.
-impl<'de> Deserialize<'de> for BlendWire {
+impl<'de> Deserialize<'de> for Blend {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
@@ -120,11 +106,6 @@ impl<'de> Deserialize<'de> for BlendWire {
 impl PtpWire {
     pub(super) fn motion(self) -> Result<Motion, String> {
         let shares = [self.velocity_rel, self.acceleration_rel, self.jerk_rel].map(Share::each);
-        let blend = self.blend.map(|blend| match blend {
-            BlendWire::Fraction(b) => Blend::Fraction(b),
-            BlendWire::SunriseRel(x) => Blend::SunriseRel(x),
-            BlendWire::CartMm(r) => Blend::CartMm(r),
-        });
         if let Some(frame) = self.frame {
             if self.joints_rad.is_some() || self.joints_deg.is_some() {
                 return Err("give either the joints or a `frame`, not both".to_owned());
@@ -133,21 +114,20 @@ impl PtpWire {
                 tool: self.tool,
                 base: self.base,
                 shares: ByKind::from_array(shares),
-                blend: blend.map(PathBlend::from),
+                blend: self.blend.map(PathBlend::from),
                 blocking: self.blocking,
                 ..CartesianMotion::new(Course::Ptp { to: frame.target()? })
             })));
         }
         let [velocity_rel, acceleration_rel, jerk_rel] = shares;
         let target_rad = joints_of(self.joints_rad, self.joints_deg)?;
-        let blocking = self.blocking;
         Ok(Motion::Ptp(Ptp {
             target_rad,
             velocity_rel,
             acceleration_rel,
             jerk_rel,
-            blend,
-            blocking,
+            blend: self.blend,
+            blocking: self.blocking,
         }))
     }
 
@@ -183,13 +163,12 @@ impl PtpWire {
             velocity_rel: Share::from(velocity),
             acceleration_rel: Share::from(acceleration),
             jerk_rel: Share::from(jerk),
+            name: None,
+            comment: None,
+            group: None,
             source: None,
             blocking: false,
-            blend: blend.map(|blend| match blend {
-                Blend::Fraction(b) => BlendWire::Fraction(b),
-                Blend::SunriseRel(x) => BlendWire::SunriseRel(x),
-                Blend::CartMm(r) => BlendWire::CartMm(r),
-            }),
+            blend,
         }
     }
 }

@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize, de::IgnoredAny};
 
 use super::{
     by_name::{word, word_or_null},
-    cartesian::{
-        AuxWire, CircOptions, EndWire, OrientationWire, PathBlendWire, ReferenceWire, path_wire,
-    },
-    frames::TargetRefWire,
+    cartesian::{CircOptions, EndWire, PathBlendWire, ReferenceWire, is_default, path_wire},
+    frames::{AuxRefWire, TargetRefWire},
     limits::limited_wire,
 };
 use crate::{
-    cartesian_motion::{CartesianMotion, Course, SegmentCourse, SplineSegment},
+    cartesian_motion::{
+        AuxOrientation, CartesianMotion, Course, OrientationType, SegmentCourse, SegmentLimits,
+        SplineSegment,
+    },
     program::Motion,
-    segment_limits::SegmentLimits,
     target::TargetRef,
 };
 
@@ -58,11 +58,12 @@ limited_wire! {
         rename = "Segment",
         extend("oneOf" = [
             { "properties": { "type": { "const": "circ" } }, "required": ["aux"] },
-            { "properties": { "type": { "enum": ["spl", "lin"] }, "aux": false, "circ_angle_deg": false,
-              "orientation_reference": false, "aux_orientation": false, "end_orientation": false } }
+            { "properties": { "type": { "enum": ["spl", "lin"] }, "aux": false,
+              "circ_angle_deg": false, "orientation_reference": false, "aux_orientation": false,
+              "end_orientation": false } }
         ])
     )]
-    SegmentWire {
+    SegmentWire declared by plain_wire {
         #[serde(deserialize_with = "word")]
         r#type: SegmentType,
         /// Target frame.
@@ -73,10 +74,10 @@ limited_wire! {
             deserialize_with = "word_or_null",
             skip_serializing_if = "Option::is_none"
         )]
-        orientation: Option<OrientationWire>,
+        orientation: Option<OrientationType>,
         /// Auxiliary frame of a circle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        aux: Option<TargetRefWire>,
+        aux: Option<AuxRefWire>,
         /// Angle of a circle's arc, in degrees; the arc ends at the end frame by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = -360, max = 360))]
@@ -85,8 +86,8 @@ limited_wire! {
         #[serde(default, deserialize_with = "word", skip_serializing_if = "ReferenceWire::is_base")]
         orientation_reference: ReferenceWire,
         /// Use of the orientation of a circle's auxiliary frame.
-        #[serde(default, deserialize_with = "word", skip_serializing_if = "AuxWire::is_consider")]
-        aux_orientation: AuxWire,
+        #[serde(default, deserialize_with = "word", skip_serializing_if = "is_default")]
+        aux_orientation: AuxOrientation,
         /// Place where the orientation of a circle's end frame is reached, for an arc with an
         /// angle.
         #[serde(
@@ -152,7 +153,7 @@ impl SegmentWire {
             ("aux", self.aux.is_some()),
             ("circ_angle_deg", self.circ_angle_deg.is_some()),
             ("orientation_reference", !self.orientation_reference.is_base()),
-            ("aux_orientation", !self.aux_orientation.is_consider()),
+            ("aux_orientation", !is_default(&self.aux_orientation)),
             ("end_orientation", !self.end_orientation.is_interpolate()),
         ];
         let limits = self.limits();
@@ -160,14 +161,13 @@ impl SegmentWire {
         let course = if self.r#type == SegmentType::Circ {
             let aux =
                 self.aux.ok_or(("type", "a circle needs `aux`, a frame on its way".to_owned()))?;
-            let aux = aux.target().map_err(|message| ("aux", message))?;
             let options = CircOptions {
                 angle_deg: self.circ_angle_deg,
                 reference: self.orientation_reference,
                 aux: self.aux_orientation,
                 end: self.end_orientation,
             };
-            SegmentCourse::Circ(options.circ(aux, to))
+            SegmentCourse::Circ(options.circ(aux, Ok(to))?)
         } else if let Some((key, _)) = for_circles.into_iter().find(|(_, is_given)| *is_given) {
             return Err((key, format!("`{key}` is for segments of type `circ`")));
         } else if self.r#type == SegmentType::Lin {
@@ -175,7 +175,7 @@ impl SegmentWire {
         } else {
             SegmentCourse::Spl { to }
         };
-        Ok(SplineSegment { course, orientation: self.orientation.map(Into::into), limits })
+        Ok(SplineSegment { course, orientation: self.orientation, limits })
     }
 }
 
@@ -185,7 +185,7 @@ impl From<&SplineSegment> for SegmentWire {
             let plain = Self {
                 r#type,
                 frame: segment.course.target().into(),
-                orientation: segment.orientation.map(Into::into),
+                orientation: segment.orientation,
                 ..Self::default()
             };
             plain.with_limits(&segment.limits)

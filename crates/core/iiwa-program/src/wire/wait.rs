@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::source::SourceWire;
+use super::{
+    notes::noted_wire,
+    overlap::{in_keys, of_keys},
+};
 use crate::program::Motion;
 
 #[derive(Deserialize, Serialize, JsonSchema)]
@@ -13,6 +16,7 @@ enum WaitTag {
     Wait,
 }
 
+noted_wire! {
 /// A wait at rest, or during motion if the wait overlaps motions.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -34,35 +38,26 @@ pub(super) struct WaitWire {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "usize", range(min = 1, max = 1000))]
     overlap_motions: Option<usize>,
-    /// Source line of the motion.
-    #[serde(
-        default,
-        deserialize_with = "iiwa_json::object_or_null",
-        skip_serializing_if = "Option::is_none"
-    )]
-    pub(super) source: Option<SourceWire>,
+}
 }
 
 impl WaitWire {
     pub(super) fn new(seconds: f64, overlap: usize) -> Self {
+        let (overlap, overlap_motions) = in_keys(overlap);
         Self {
             r#type: WaitTag::Wait,
             seconds,
-            overlap: (overlap == 1).then_some(true),
-            overlap_motions: (overlap > 1).then_some(overlap),
+            overlap,
+            overlap_motions,
+            name: None,
+            comment: None,
+            group: None,
             source: None,
         }
     }
 
     pub(super) fn motion(self) -> Result<Motion, (&'static str, String)> {
-        let wrong = |message: &str| Err(("overlap_motions", message.to_owned()));
-        let overlap = match (self.overlap, self.overlap_motions) {
-            (Some(_), Some(_)) => return wrong("give either `overlap` or `overlap_motions`"),
-            (_, Some(0)) => return wrong("overlap_motions must be at least 1"),
-            (_, Some(motions)) => motions,
-            (Some(true), None) => 1,
-            (Some(false) | None, None) => 0,
-        };
+        let overlap = of_keys(self.overlap, self.overlap_motions)?;
         Ok(Motion::Wait { seconds: self.seconds, overlap })
     }
 }

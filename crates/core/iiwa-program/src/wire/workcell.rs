@@ -3,47 +3,20 @@
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{JsonStep, excerpt, locate, numbers, object_or_null};
+use iiwa_json::{JsonStep, excerpt, locate, numbers};
 use iiwa_kin::Mount;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{
-    by_name::{by_name, word_or_null},
     error::ProgramError,
     exact::exact_deg,
     frames::{BaseWire, TargetWire, ToolWire, workcell},
 };
-use crate::workcell::{OperatingMode, Workcell};
-
-/// Common keys when read. Programs declare them again, with their schema.
-#[derive(Deserialize)]
-pub(super) struct WorkcellWire {
-    #[serde(default, deserialize_with = "by_name")]
-    pub(super) tools: BTreeMap<String, ToolWire>,
-    #[serde(default, deserialize_with = "by_name")]
-    pub(super) bases: BTreeMap<String, BaseWire>,
-    #[serde(default, deserialize_with = "by_name")]
-    pub(super) frames: BTreeMap<String, TargetWire>,
-    #[serde(default)]
-    pub(super) tool: Option<String>,
-    #[serde(default)]
-    pub(super) base: Option<String>,
-    #[serde(default, deserialize_with = "word_or_null")]
-    pub(super) mode: Option<ModeWire>,
-    #[serde(default, deserialize_with = "object_or_null")]
-    pub(super) mount: Option<MountWire>,
-}
-
-impl WorkcellWire {
-    /// Builds the workcell; `text` is the text of the keys, for error places.
-    pub(super) fn workcell(self, text: &str) -> Result<Workcell, ProgramError> {
-        let Self { tools, bases, frames, tool, base, mode, mount } = self;
-        let mode = mode.map_or_else(OperatingMode::default, OperatingMode::from);
-        let mount = mount.map_or_else(Mount::default, Mount::from);
-        Ok(Workcell { tool, base, mode, mount, ..named(text, tools, bases, frames)? })
-    }
-}
+use crate::{
+    source::Sources,
+    workcell::{OperatingMode, Workcell},
+};
 
 /// Tools, bases and frames of `text`.
 pub(super) fn named(
@@ -55,7 +28,7 @@ pub(super) fn named(
     workcell(tools, bases, frames).map_err(|(list, name, message)| ProgramError::Json {
         message: format!("`{}`: {message}", excerpt(&name)),
         motion: None,
-        made_from: None,
+        sources: Sources::default(),
         place: locate(text, &[JsonStep::Key(list), JsonStep::Key(&name)]),
     })
 }
@@ -114,9 +87,11 @@ impl ModeWire {
     }
 }
 
-impl From<ModeWire> for OperatingMode {
-    fn from(ModeWire::T1: ModeWire) -> Self {
-        Self::T1
+/// Operating mode of the key `mode`: automatic by default.
+pub(super) fn mode_of(mode: Option<ModeWire>) -> OperatingMode {
+    match mode {
+        None => OperatingMode::Automatic,
+        Some(ModeWire::T1) => OperatingMode::T1,
     }
 }
 
@@ -135,10 +110,9 @@ fn three<'de, D: Deserializer<'de>>(reader: D) -> Result<[f64; 3], D::Error> {
     numbers(reader, "three angles, roll, pitch and yaw")
 }
 
-impl From<MountWire> for Mount {
-    fn from(wire: MountWire) -> Self {
-        Self::from_rpy_deg(wire.rpy_deg)
-    }
+/// Mounting of the key `mount`: on the floor by default.
+pub(super) fn mount_of(mount: Option<MountWire>) -> Mount {
+    mount.map_or_else(Mount::default, |mount| Mount::from_rpy_deg(mount.rpy_deg))
 }
 
 impl From<Mount> for MountWire {

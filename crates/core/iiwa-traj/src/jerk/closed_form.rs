@@ -7,8 +7,8 @@ use iiwa_solver::LimitedSegment;
 
 use super::stamps::{SegmentStamps, Stamps};
 use crate::{
+    interval::Node,
     limit_usage::LimitUsage,
-    node::Node,
     phases::{ProfilePoint, phases},
     sunrise::{self, RampedLine},
 };

@@ -1,7 +1,8 @@
-//! Ramps next to the rests of a section, as soft as those of PTP motions under Sunrise.
+//! Ramps at the start and at the end of a section, as soft as the recorded ramps under Sunrise.
 //!
-//! Only PTP motions from rest to rest have been recorded. This module **assumes** that all other
-//! motions accelerate and brake in the same time as a PTP motion in the direction of the path: a
+//! Only PTP motions and splines from rest to rest have been recorded. This module **assumes** the
+//! same acceleration and braking times for all other motions: on a path in joint space, those of a
+//! PTP motion in the direction of the path, and on a TCP path those of a single SPL. To this end, a
 //! lower jerk limit applies until the robot has reached its speed.
 
 use iiwa_kin::{RampEnd, RampLaw, RampLimits};

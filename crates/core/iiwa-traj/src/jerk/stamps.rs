@@ -5,7 +5,10 @@ use std::ops::Range;
 use iiwa_path::PLACES;
 use iiwa_solver::{Cell, Geometry, LimitedSegment, Mesh, Solution, Window};
 
-use crate::{interval::later, limit_usage::LimitUsage, node::Node};
+use crate::{
+    interval::{Node, later},
+    limit_usage::LimitUsage,
+};
 
 /// Stamps of one segment.
 pub(crate) struct SegmentStamps {
@@ -46,7 +49,7 @@ impl Stamper {
     }
 
     /// Adds a node at a sigma and an instant, with the way and the time to the next node; x and its
-    /// derivative by sigma are those before the motion is slowed down.
+    /// derivative with respect to sigma are those before the motion is slowed down.
     fn node(
         &mut self,
         segment: &LimitedSegment<'_>,

@@ -24,8 +24,8 @@ use crate::{grid::Grid, sunrise::EndRamp};
 const STANDS_FOR: [(LimitKind, usize); 3] =
     [(LimitKind::Velocity, 0), (LimitKind::Acceleration, 1), (LimitKind::Jerk, 2)];
 
-/// Spline segment whose derivatives by sigma are those of the virtual joints for the model's
-/// limits.
+/// Spline segment whose derivatives with respect to sigma are those of the virtual joints for the
+/// model's limits.
 #[derive(Debug)]
 pub(super) struct SpeedLimitedSegment<'a> {
     shape: &'a dyn Segment,
@@ -68,7 +68,7 @@ impl TcpWay {
 /// Limits of the model at a point, in units of y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpeedLimits {
-    /// First to third derivative of y by sigma.
+    /// First to third derivative of y with respect to sigma.
     pub(super) way: [f64; 3],
     pub(super) speed: f64,
     pub(super) acceleration: f64,

@@ -19,8 +19,8 @@ fn spline(robot: &Robot, poses_deg: &[Joints]) -> JointPath {
         let [x, y, z] = pose.position_m.map(|m| 1e3 * m);
         let [a, b, c] = pose.abc_rad().map(f64::to_degrees);
         format!(
-            r#"{{ "type": "spl", "frame": {{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z}, "a_deg": {a}, "b_deg": {b},
-                "c_deg": {c}, "e1_deg": {} }} }}"#,
+            r#"{{ "type": "spl", "frame": {{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z},
+                "a_deg": {a}, "b_deg": {b}, "c_deg": {c}, "e1_deg": {} }} }}"#,
             pose_deg[2]
         )
     });

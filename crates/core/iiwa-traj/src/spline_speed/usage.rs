@@ -4,9 +4,8 @@ use iiwa_path::PLACES;
 use iiwa_solver::LimitedSegment;
 
 use crate::{
-    interval::{IntervalProgress, progress},
+    interval::{IntervalProgress, Node, progress},
     limit_usage::LimitUsage,
-    node::Node,
 };
 
 /// Sampled points per interval between nodes.

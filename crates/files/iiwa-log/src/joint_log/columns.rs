@@ -4,7 +4,7 @@ use iiwa_kin::Robot;
 
 use super::samples::PositionUnit;
 use super::shown::shown;
-use super::{AngleUnit, JointLogError, LogOptions, PositionSource, Positions};
+use super::{AngleUnit, FilePlace, JointLogError, LogOptions, PositionSource, Positions};
 
 /// Role of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,14 +38,14 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Assigns roles to the columns with these names; `line` is the header line.
+    /// Assigns roles to the columns with these names; `place` is that of the names.
     pub(super) fn new(
-        line: u64,
+        place: FilePlace,
         names: Vec<String>,
         options: LogOptions,
     ) -> Result<Self, JointLogError> {
         let mut columns =
-            ColumnChoice { line, names: &names, roles: vec![ColumnRole::PassedOver; names.len()] };
+            ColumnChoice { place, names: &names, roles: vec![ColumnRole::PassedOver; names.len()] };
         let sources = match options.positions {
             Positions::Measured => {
                 [PositionSource::Measured, PositionSource::Commanded, PositionSource::Table]
@@ -73,7 +73,7 @@ impl Columns {
         };
         if options.positions_required && source == other {
             let positions = options.positions;
-            return Err(JointLogError::MissingPositions { line, positions });
+            return Err(JointLogError::MissingPositions { place, positions });
         }
         if split {
             columns.choose("seconds", "`ZeitInSec`", ColumnRole::Seconds, is_seconds)?;
@@ -153,7 +153,7 @@ fn is_nanoseconds(name: &str) -> bool {
 
 /// Columns while their roles are assigned.
 struct ColumnChoice<'a> {
-    line: u64,
+    place: FilePlace,
     names: &'a [String],
     roles: Vec<ColumnRole>,
 }
@@ -186,7 +186,7 @@ impl ColumnChoice<'_> {
     ) -> Result<(), JointLogError> {
         if let Some(first) = column_index.replace(column) {
             return Err(JointLogError::DuplicateColumn {
-                line: self.line,
+                place: self.place,
                 quantity: quantity.to_owned(),
                 first: self.names[first].clone(),
                 second: self.names[column].clone(),
@@ -213,7 +213,7 @@ impl ColumnChoice<'_> {
     }
 
     fn missing(&self, quantity: &str, expected: String) -> JointLogError {
-        JointLogError::MissingColumn { line: self.line, quantity: quantity.to_owned(), expected }
+        JointLogError::MissingColumn { place: self.place, quantity: quantity.to_owned(), expected }
     }
 }
 
@@ -231,14 +231,36 @@ fn joint(
         let (joint, _) = axis(source, name)?;
         return Some((joint, ColumnRole::Position(joint, unit_or_unstated(unit))));
     }
+    let (joint, stated) = joint_column(name)?;
+    Some((joint, ColumnRole::Position(joint, unit_or_unstated(stated.or(unit)))))
+}
+
+/// Returns the joint whose position a table column contains, from 0, and the unit that the column
+/// name states.
+///
+/// ```
+/// use iiwa_log::{AngleUnit, joint_column};
+///
+/// assert_eq!(joint_column("A1_deg"), Some((0, Some(AngleUnit::Degrees))));
+/// assert_eq!(joint_column("q07"), Some((6, None)));
+/// assert_eq!(joint_column("joint_8"), None);
+/// ```
+#[must_use]
+pub fn joint_column(name: &str) -> Option<(usize, Option<AngleUnit>)> {
+    let name = name.to_ascii_lowercase();
     let (stem, unit) = match (name.strip_suffix("_deg"), name.strip_suffix("_rad")) {
-        (Some(stem), _) => (stem, PositionUnit::Degrees),
-        (_, Some(stem)) => (stem, PositionUnit::Radians),
-        _ => (name, unit_or_unstated(unit)),
+        (Some(stem), _) => (stem, Some(AngleUnit::Degrees)),
+        (_, Some(stem)) => (stem, Some(AngleUnit::Radians)),
+        _ => (&*name, None),
     };
     let number = ["iiwa_joint_", "joint_", "q", "a"].iter().find_map(|p| stem.strip_prefix(p))?;
-    let joint = digit(number)?.checked_sub(1)?;
-    Some((joint, ColumnRole::Position(joint, unit))).filter(|_| joint < 7)
+    Some((joint_of_number(number)?, unit))
+}
+
+/// Returns the joint with a number from 1 to 7, which may have leading zeros.
+fn joint_of_number(number: &str) -> Option<usize> {
+    let joint = digit(number.trim_start_matches('0'))?.checked_sub(1)?;
+    Some(joint).filter(|joint| *joint < 7)
 }
 
 fn unit_or_unstated(unit: Option<AngleUnit>) -> PositionUnit {
@@ -259,8 +281,7 @@ fn torque(name: &str) -> Option<ColumnRole> {
     let stem = ["torque_", "effort_"].iter().find_map(|prefix| stem.strip_prefix(prefix))?;
     let number =
         ["iiwa_joint_", "joint_"].iter().find_map(|p| stem.strip_prefix(p)).unwrap_or(stem);
-    let joint = digit(number)?.checked_sub(1)?;
-    Some(ColumnRole::Exerted(joint)).filter(|_| joint < 7)
+    joint_of_number(number).map(ColumnRole::Exerted)
 }
 
 /// Returns joint and robot of a `DataRecorder` column, by its lower-case name:

@@ -33,11 +33,25 @@ pub enum JointLogError {
     /// The file is a Parquet file, and this build lacks the feature `parquet`.
     #[error("Apache Parquet files are not supported by this build (feature `parquet`)")]
     ParquetNotSupported,
+    /// A Parquet file is damaged, or has contents that are not supported.
+    #[error("Apache Parquet: {message}")]
+    Parquet {
+        /// Fault and its place.
+        message: String,
+    },
+    /// A number is missing in a row of a Parquet file.
+    #[error("{place}, column `{column}`: the value is missing (null)")]
+    Null {
+        /// The row.
+        place: FilePlace,
+        /// Name of the column.
+        column: String,
+    },
     /// A required column of a table is missing.
-    #[error("line {line}: no column for {quantity}, expected {expected}")]
+    #[error("{place}: no column for {quantity}, expected {expected}")]
     MissingColumn {
-        /// The header line, from 1.
-        line: u64,
+        /// Place of the column names.
+        place: FilePlace,
         /// Quantity of the column.
         quantity: String,
         /// Accepted names.
@@ -45,21 +59,21 @@ pub enum JointLogError {
     },
     /// A `DataRecorder` log without the positions that are required.
     #[error(
-        "line {line}: no {} positions (columns `{}_...[0]` to `[6]`) in this DataRecorder log, \
+        "{place}: no {} positions (columns `{}_...[0]` to `[6]`) in this DataRecorder log, \
          only {} ones: read those, or record both",
         .positions.names().0, .positions.names().1, .positions.other().names().0
     )]
     MissingPositions {
-        /// The header line, from 1.
-        line: u64,
+        /// Place of the column names.
+        place: FilePlace,
         /// Missing positions.
         positions: Positions,
     },
     /// Two columns of the same quantity.
-    #[error("line {line}: `{first}` and `{second}` are both a column for {quantity}")]
+    #[error("{place}: `{first}` and `{second}` are both a column for {quantity}")]
     DuplicateColumn {
-        /// The header line, from 1.
-        line: u64,
+        /// Place of the column names.
+        place: FilePlace,
         /// Quantity of the columns.
         quantity: String,
         /// Name of the first column.
@@ -78,10 +92,10 @@ pub enum JointLogError {
         expected: usize,
     },
     /// A field of a table that is not the expected number.
-    #[error("line {line}, column `{column}`: `{found}` is not {expected}")]
+    #[error("{place}, column `{column}`: `{found}` is not {expected}")]
     Field {
-        /// The line, from 1.
-        line: u64,
+        /// Line or row.
+        place: FilePlace,
         /// Name of the column.
         column: String,
         /// Content of the field.
@@ -90,7 +104,7 @@ pub enum JointLogError {
         expected: &'static str,
     },
     /// The container of a recording, or a message in it, is invalid.
-    #[error("not a sound recording")]
+    #[error("not a valid recording")]
     Recording {
         /// Error of the reader.
         #[from]
@@ -112,7 +126,7 @@ pub enum JointLogError {
     /// A sample that is earlier than the one before it.
     #[error("{place}: time runs backwards, from {previous_s} s to {t_s} s")]
     Backwards {
-        /// Sample that comes later in the file.
+        /// The second of the two samples.
         place: FilePlace,
         /// Time of that sample, s.
         t_s: f64,
@@ -199,7 +213,7 @@ pub enum JointLogError {
         limit_rad: f64,
     },
     /// A recording of another built-in robot.
-    #[error("a recording of {found}, not of {expected}: wrong robot")]
+    #[error("recorded on another robot: {found}, not {expected}")]
     WrongRobot {
         /// Robot of the recording.
         found: String,

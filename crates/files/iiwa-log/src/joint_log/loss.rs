@@ -12,6 +12,10 @@ pub enum FilePlace {
     Line(u64),
     /// Sample of a recording, from 1.
     Sample(u64),
+    /// Row of a Parquet file, from 1.
+    Row(u64),
+    /// Column names of a Parquet file.
+    Schema,
 }
 
 impl fmt::Display for FilePlace {
@@ -19,6 +23,8 @@ impl fmt::Display for FilePlace {
         match self {
             Self::Line(line) => write!(f, "line {line}"),
             Self::Sample(sample) => write!(f, "sample {sample}"),
+            Self::Row(row) => write!(f, "row {row}"),
+            Self::Schema => f.write_str("schema"),
         }
     }
 }
@@ -79,7 +85,8 @@ impl fmt::Display for Loss {
         match self {
             Self::Gap { from_s, to_s, missing } => write!(
                 f,
-                "no samples from {from_s:.3} s to {to_s:.3} s ({:.3} s): some {missing} are missing",
+                "no samples from {from_s:.3} s to {to_s:.3} s ({:.3} s): some {missing} are \
+                 missing",
                 to_s - from_s
             ),
             Self::Repeated { first, t_s, count: 1 } => {

@@ -86,6 +86,10 @@ fn headers_of_other_programs() {
         format!("% {names}\n\n{row}\n"),
         format!("# note,{names}\nbegin,{row}\n"),
         format!("% note,{names}\n,{row}\n"),
+        format!("#\n  % by hand\n\t# {names}\n{row}\n"),
+        format!("{names}\n% begins here\n{row}\n  # ends here\n\t%\n"),
+        format!("\t{}\n0\t{}\n", names.replace(',', "\t"), row.replace(',', "\t")),
+        format!("{}\n{row}\n", names.replace("joint_", "q0")),
     ] {
         assert_eq!(read(&text).unwrap(), expected, "{text}");
     }

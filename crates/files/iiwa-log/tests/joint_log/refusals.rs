@@ -217,7 +217,7 @@ fn another_robot() {
     log.check_robot(&small).unwrap();
     assert_eq!(
         log.check_robot(&large).unwrap_err().to_string(),
-        "a recording of lbr_iiwa_7_r800, not of lbr_iiwa_14_r820: wrong robot"
+        "recorded on another robot: lbr_iiwa_7_r800, not lbr_iiwa_14_r820"
     );
 
     let mut log = JointLog::new(vec![0.0, 1.0], vec![[0.0; 7]; 2]);

@@ -32,6 +32,9 @@ fn everything_comes_back() {
     assert_eq!(recording.motions[0].motion.index, 1);
     assert_eq!(recording.motions[0].motion.kind, "line");
     assert_eq!(recording.motions[0].motion.limiting_joint, Some(4));
+    assert_eq!(recording.motions[0].motion.name.as_deref(), Some("swing"));
+    assert_eq!(recording.motions[0].motion.group.as_deref(), Some("pick"));
+    assert_eq!(recording.motions[1].motion.group, None);
     assert_eq!(recording.motions[0].motion.limiting_kind, "velocity");
     assert_eq!(recording.motions[1].t_s, 0.2);
     assert_eq!(recording.motions[1].motion.limiting_joint, None);
@@ -131,7 +134,7 @@ fn schemas_are_ros2msg_text() {
         Topic::Motion.schema(),
         format!(
             "std_msgs/Header header\nuint32 index\nstring kind\nuint32 limiting_joint\n\
-             string limiting_kind\n{separator}\nMSG: std_msgs/Header\n\
+             string limiting_kind\nstring name\nstring group\n{separator}\nMSG: std_msgs/Header\n\
              builtin_interfaces/Time stamp\nstring frame_id\n{separator}\n\
              MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
         )
@@ -225,6 +228,8 @@ fn mismatched_samples_are_refused() {
             kind: "line".into(),
             limiting_joint: Some(joint),
             limiting_kind: "jerk".into(),
+            name: None,
+            group: None,
         };
         let error = writer.motion(Duration::ZERO, &motion).unwrap_err();
         assert!(matches!(error, WriteError::NoSuchJoint { .. }), "{error}");

@@ -38,7 +38,9 @@ pub(crate) fn sample() -> Vec<u8> {
         };
         if let Some((index, kind, limiting_joint, limiting_kind)) = piece {
             let (kind, limiting_kind) = (kind.into(), limiting_kind.into());
-            writer.motion(t, &MotionEntry { index, kind, limiting_joint, limiting_kind }).unwrap();
+            let (name, group) = (Some("swing".into()), (index == 1).then(|| "pick".into()));
+            let motion = MotionEntry { index, kind, limiting_joint, limiting_kind, name, group };
+            writer.motion(t, &motion).unwrap();
         }
         let (q, dq) = state(t);
         writer.joint_state(t, &q, &dq, None).unwrap();

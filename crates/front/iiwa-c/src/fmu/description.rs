@@ -40,7 +40,8 @@ pub(super) fn description(name: &str, token: &str, cycle_time_s: f64) -> String 
         // Writing to a string does not fail.
         let _ = writeln!(
             xml,
-            r#"    <{element} name="{name}" valueReference="{reference}" {role}{unit} description="{description}"/>"#
+            "    <{element} name=\"{name}\" valueReference=\"{reference}\" {role}{unit} \
+             description=\"{description}\"/>"
         );
     }
     xml += "  </ModelVariables>\n  <ModelStructure>\n";

@@ -11,7 +11,9 @@ macro_rules! unsupported {
         #[unsafe(no_mangle)]
         extern "C" fn $name(instance: Option<&mut FmuInstance> $(, _: $argument)*) -> FmiStatus {
             call(instance, |_| {
-                Err(CallRefusal::error(concat!(stringify!($name), ": this FMU has no ", $capability)))
+                const REFUSAL: &str =
+                    concat!(stringify!($name), ": this FMU has no ", $capability);
+                Err(CallRefusal::error(REFUSAL))
             })
         }
     )+)+ };

@@ -236,7 +236,7 @@ function cuboid(size) {
   return shape;
 }
 
-/** A convex polyhedron of flat triangles. */
+/** A surface of flat triangles. */
 function polyhedron(corners, triangles) {
   const shape = { positions: [], normals: [], triangles: [] };
   for (const triangle of triangles) {

@@ -74,8 +74,9 @@ function makeScene(canvas) {
   ].map((steps) => solid([{ shape: sphere(1, ...steps), origin: still, colour: [1, 1, 1] }]));
   const floor = upload([["corner", 2]], QUAD);
 
-  /** Contents besides the robot: TCP paths, blended targets, frames, obstacles, tool shapes. */
-  let contents = { ways: [], corners: [], frames: [], obstacles: [], tool: [] };
+  /** Contents besides the robot: TCP paths, blended targets, frames, obstacles, tool shapes, and
+      the shapes of carried bodies. */
+  let contents = { ways: [], corners: [], frames: [], obstacles: [], tool: [], bodies: [] };
   let standing = [];
   const sight = makeSight(canvas);
 
@@ -87,6 +88,7 @@ function makeScene(canvas) {
   let frames = null;
   let obstacles = [];
   let carried = [];
+  let bodies = [];
 
   /** Sets the colours of the page: arrays of three. */
   function paint(colours) {
@@ -106,7 +108,7 @@ function makeScene(canvas) {
   function build() {
     for (const { mesh } of ways) discard(mesh);
     for (const { mesh, edges } of obstacles) [mesh, edges].forEach(discard);
-    carried.forEach(discard);
+    [...carried, ...bodies.flat()].forEach(discard);
     if (frames) discard(frames);
     // One axis cross per frame: x red, y green, z blue.
     const AXIS_M = 0.05;
@@ -129,7 +131,7 @@ function makeScene(canvas) {
     obstacles = contents.obstacles.map(({ shape, origin }) => ({
       mesh: solid([{ shape, origin, colour: theme.soft }]),
       edges: strip(
-        shape.edges.map((ends) => [
+        (shape.edges || []).map((ends) => [
           ...ends.map((end) => transformed(origin, end)),
           [...theme.soft, 0.9],
         ]),
@@ -137,9 +139,10 @@ function makeScene(canvas) {
       alpha: shape.endless ? 0.07 : 0.24,
     }));
     const flange = model.joints.length;
-    carried = contents.tool.map(({ shape, origin }) =>
-      solid([{ shape, origin, colour: theme.settle, link: flange }]),
-    );
+    const atFlange = ({ shape, origin }) =>
+      solid([{ shape, origin, colour: theme.settle, link: flange }]);
+    carried = contents.tool.map(atFlange);
+    bodies = contents.bodies.map((shapes) => shapes.map(atFlange));
   }
 
   const drawArm = (poses, count) => {
@@ -150,6 +153,9 @@ function makeScene(canvas) {
     place(all);
     draw(arm, count);
     for (const mesh of carried) draw(mesh);
+    for (const body of poses.bodies || []) {
+      for (const mesh of bodies[body] || []) draw(mesh);
+    }
   };
   const shadows = makeShadows(painter, (poses) => drawArm(poses, look.casting));
 
@@ -172,15 +178,20 @@ function makeScene(canvas) {
     draw(mesh);
   };
 
-  /** Draws robots: joint positions, the TCP in the flange frame if there is a tool, and the colour
-      of ghosts. `gap` is a line from the robot to the nearest obstacle or link. */
+  /** Draws robots: joint positions, the TCP in the flange frame if there is a tool, the indices of
+      carried bodies, and the colour of ghosts. `gap` is a line from the robot to the nearest
+      obstacle or link. */
   function show(arms, gap) {
     const ratio = Math.min(window.devicePixelRatio || 1, 2) * sharpness;
     const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     if (canvas.width !== width || canvas.height !== height)
       [canvas.width, canvas.height] = [width, height];
-    const all = arms.map(({ q, ghost, tool }) => ({ poses: linkPoses(q), ghost, tool }));
+    const all = arms.map(({ q, ghost, tool, bodies: held }) => ({
+      poses: Object.assign(linkPoses(q), { bodies: held }),
+      ghost,
+      tool,
+    }));
     const solidOnes = all.filter(({ ghost }) => !ghost);
     if (!standing.length && all.length) {
       standing = all.flatMap(({ poses }) => poses.map((pose) => Array.from(pose.slice(12, 15))));

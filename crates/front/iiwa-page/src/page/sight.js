@@ -28,6 +28,13 @@ function makeSight(canvas) {
       [ca * ch, sa * ch, sh],
     ];
   };
+  /** The smallest and the largest number. `Math.min(...all)` would overflow the call stack for the
+      points of hundreds of obstacles. */
+  const ends = (all) =>
+    all.reduce(
+      ([low, high], v) => [Math.min(low, v), Math.max(high, v)],
+      [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY],
+    );
   const along = (axis, p) => axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2];
 
   /** Includes the robot, its paths and the nearby parts of obstacles in the view. */
@@ -46,12 +53,12 @@ function makeSight(canvas) {
     ]);
     if (!contents.ways.length) points.push([0, 0, 0.9], ...around);
     const box = [0, 1, 2].map((i) => {
-      const all = points.map((p) => p[i]);
-      return [Math.min(...all) - NEAR_M, Math.max(...all) + NEAR_M];
+      const [low, high] = ends(points.map((p) => p[i]));
+      return [low - NEAR_M, high + NEAR_M];
     });
     for (const { shape, origin } of contents.obstacles) {
       if (shape.endless) continue;
-      for (const corner of shape.positions) {
+      for (const corner of thinned(shape.positions)) {
         points.push(
           transformed(origin, corner).map((v, i) => Math.min(Math.max(v, box[i][0]), box[i][1])),
         );
@@ -76,7 +83,7 @@ function makeSight(canvas) {
     const axes = axesOf(look);
     const spans = axes.map((axis) => points.map((p) => along(axis, p)));
     const ROOM_M = 0.13;
-    const middles = spans.map((all) => (Math.min(...all) + Math.max(...all)) / 2);
+    const middles = spans.map((all) => ends(all).reduce((low, high) => (low + high) / 2));
     const middle = [0, 1, 2].map((i) =>
       axes.reduce((sum, axis, k) => sum + axis[i] * middles[k], 0),
     );
@@ -87,7 +94,7 @@ function makeSight(canvas) {
         Math.max((Math.abs(x) + ROOM_M) / (LENS * aspect), (Math.abs(y) + ROOM_M) / (LENS * across))
       );
     });
-    return { middle, far: Math.max(...needed), aspect, share };
+    return { middle, far: ends(needed)[1], aspect, share };
   }
 
   /** The fitted view for the current size of the canvas. */

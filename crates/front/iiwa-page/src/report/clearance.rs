@@ -1,13 +1,17 @@
 //! Clearance of the arm to the obstacles of a scene, or to itself, over time.
 
 use iiwa_kin::Joints;
+use iiwa_program::MotionIndex;
 use iiwa_scene::{ArmInScene, Clearance};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::nearest::Nearest;
 
-use super::curve::{CurveColumns, TimeSeries};
+use super::{
+    body_times::BodyTimes,
+    curve::{CurveColumns, TimeSeries},
+};
 
 /// Maximum number of poses of the curve. Poses in between are computed only if they may be nearer
 /// than all others.
@@ -41,8 +45,24 @@ struct PairFrom {
     other: String,
 }
 
-/// Clearance function of a pose: [`ArmInScene::clearance`], or [`ArmInScene::self_clearance`].
-pub(crate) type OfPose = fn(&ArmInScene, &Joints) -> Option<Clearance>;
+/// Clearance function of a pose during a motion: [`ArmInScene::clearance_during`], or
+/// [`ArmInScene::self_clearance_during`].
+pub(crate) type OfPose = fn(&ArmInScene, MotionIndex, &Joints) -> Option<Clearance>;
+
+/// Motions over the time of positions, which determine the shapes at the flange.
+#[derive(Clone, Copy, Debug)]
+struct ShiftedTimes<'a> {
+    bodies: &'a BodyTimes,
+    /// Time of the page minus that of the positions, in s.
+    shift_s: f64,
+}
+
+impl ShiftedTimes<'_> {
+    /// Returns the motion at a time of the positions.
+    fn at(&self, t_s: f64) -> MotionIndex {
+        self.bodies.at(t_s + self.shift_s)
+    }
+}
 
 impl Clearances {
     /// Computes the clearance of `arm` at and between `positions`, all times shifted by `shift_s`;
@@ -51,11 +71,13 @@ impl Clearances {
         arm: &ArmInScene,
         of_pose: OfPose,
         positions: &TimeSeries,
+        bodies: &BodyTimes,
         shift_s: f64,
     ) -> Option<Self> {
+        let motions = ShiftedTimes { bodies, shift_s };
         let TimeSeries { t_s, rows } = positions;
         let step = rows.len().div_ceil(POSES).max(1);
-        let clearance_at = |index: usize| of_pose(arm, &rows[index]);
+        let clearance_at = |index: usize| of_pose(arm, motions.at(t_s[index]), &rows[index]);
         let mut places = (0..rows.len()).step_by(step).collect::<Vec<_>>();
         let last = rows.len().checked_sub(1)?;
         if places.last() != Some(&last) {
@@ -74,7 +96,7 @@ impl Clearances {
             }
         }
         let (at_s, nearest) =
-            IntervalSearch::new(arm, of_pose, positions).minimum(&places, &clearances)?;
+            IntervalSearch::new(arm, of_pose, positions, motions).minimum(&places, &clearances)?;
         Some(Self {
             distance: CurveColumns::new(&samples, shift_s),
             pairs,
@@ -88,6 +110,7 @@ struct IntervalSearch<'a> {
     arm: &'a ArmInScene,
     of_pose: OfPose,
     positions: &'a TimeSeries,
+    motions: ShiftedTimes<'a>,
     best: Option<(f64, Clearance)>,
     /// Smallest distance of all, in m: that of the best clearance, up to [`SAME_M`].
     least_m: f64,
@@ -102,8 +125,13 @@ struct KnownPose {
 }
 
 impl<'a> IntervalSearch<'a> {
-    fn new(arm: &'a ArmInScene, of_pose: OfPose, positions: &'a TimeSeries) -> Self {
-        Self { arm, of_pose, positions, best: None, least_m: f64::MAX }
+    fn new(
+        arm: &'a ArmInScene,
+        of_pose: OfPose,
+        positions: &'a TimeSeries,
+        motions: ShiftedTimes<'a>,
+    ) -> Self {
+        Self { arm, of_pose, positions, motions, best: None, least_m: f64::MAX }
     }
 
     fn best_m(&self) -> f64 {
@@ -126,8 +154,12 @@ impl<'a> IntervalSearch<'a> {
         }
     }
 
+    fn is_one_motion(&self, [from_s, to_s]: [f64; 2]) -> bool {
+        self.motions.at(from_s) == self.motions.at(to_s)
+    }
+
     fn look(&mut self, t_s: f64, q: Joints) -> Option<KnownPose> {
-        let clearance = (self.of_pose)(self.arm, &q)?;
+        let clearance = (self.of_pose)(self.arm, self.motions.at(t_s), &q)?;
         self.take(t_s, clearance);
         Some(KnownPose { t_s, q, distance_m: clearance.distance_m })
     }
@@ -144,6 +176,15 @@ impl<'a> IntervalSearch<'a> {
                 self.take(t_s[*index], *clearance);
             }
         }
+        // Shapes that other ones replace at once: the robot rests.
+        for (page_s, motion) in self.motions.bodies.passing() {
+            let at_s = page_s - self.motions.shift_s;
+            for q in self.positions.at_times(&[at_s]) {
+                if let Some(clearance) = (self.of_pose)(self.arm, motion, &q) {
+                    self.take(at_s, clearance);
+                }
+            }
+        }
         for (ends, clearance_pair) in std::iter::zip(places.windows(2), clearances) {
             if self.is_over(t_s[ends[0]]) {
                 break;
@@ -153,7 +194,9 @@ impl<'a> IntervalSearch<'a> {
             let bound = |index: usize| self.arm.travel_bound_m(&start, &rows[index]);
             // Non-finite bounds are ignored, and gaps are skipped.
             let max_travel_m = between.clone().map(bound).fold(0.0, f64::max);
-            let at_start = clearance_pair.map_or(f64::MIN, |it| it.distance_m);
+            // Other shapes may be at the flange from another motion on.
+            let known = clearance_pair.filter(|_| self.is_one_motion([t_s[ends[0]], t_s[ends[1]]]));
+            let at_start = known.map_or(f64::MIN, |it| it.distance_m);
             if at_start - max_travel_m >= self.best_m() - TOLERANCE_M {
                 continue;
             }
@@ -172,7 +215,11 @@ impl<'a> IntervalSearch<'a> {
     /// Searches between two poses, with linear interpolation of the joints.
     fn between(&mut self, from: KnownPose, to: KnownPose) {
         let way = self.arm.travel_bound_m(&from.q, &to.q);
-        let lower_m = 0.5 * (from.distance_m + to.distance_m - way);
+        let lower_m = if self.is_one_motion([from.t_s, to.t_s]) {
+            0.5 * (from.distance_m + to.distance_m - way)
+        } else {
+            f64::MIN
+        };
         let is_over = self.is_over(from.t_s);
         if is_over || lower_m >= self.best_m() - TOLERANCE_M || way < TOLERANCE_M {
             return;

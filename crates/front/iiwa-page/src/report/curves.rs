@@ -26,8 +26,7 @@ impl Curves {
         let PlannedCurves { position, velocity, acceleration, jerk, snap } = planned;
         let method = match timing {
             Some("acceleration") => {
-                "from the nodes of the trajectory; planned without limits of jerk: acceleration \
-                 jumps"
+                "from the nodes of the trajectory; planned without jerk limits: acceleration jumps"
             }
             Some("sunrise") => {
                 "from the nodes of the trajectory; from node to node, jerk is linear. Sunrise's \

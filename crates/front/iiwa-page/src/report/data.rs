@@ -6,12 +6,11 @@ use std::{
 };
 
 use crate::arm_look::Look;
-use iiwa_eval::{Comparison, PlannedTrajectory, TracePoint};
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{LogOptions, Loss, PlanPiece};
 use iiwa_program::{Blend, LimitKind, Motion, Program};
 use iiwa_report::{ComparisonReport, with_causes};
-use iiwa_scene::{ArmInScene, ArmMeshes, Scene};
+use iiwa_scene::{ArmInScene, ArmMeshes, CarriedBodies, Scene};
 use iiwa_traj::PieceKind;
 use serde::Serialize;
 use serde_json::Value;
@@ -23,11 +22,14 @@ use crate::{
 
 use super::{
     attached,
+    body_times::BodyTimes,
     clearance::{Clearances, OfPose},
+    compared::{Compared, comparison},
     curve::{CurveColumns, TimeSeries},
     curves::Curves,
     measured::{self, MeasuredCurves},
     planned::PlannedCurves,
+    segments::segments,
     source::{PageSource, Role},
     tool::PageWorkcell,
 };
@@ -58,8 +60,13 @@ pub struct Page {
     /// Surroundings and payload of the arm.
     #[serde(skip_serializing_if = "Option::is_none")]
     scene: Option<Scene>,
+    /// Shapes that the program carries at the flange.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    carried: Option<CarriedBodies>,
     /// Reduced limits of motions, by motion number from 1.
     shares: BTreeMap<usize, LimitShares>,
+    /// Segment types of splines, by motion number from 1.
+    segments: BTreeMap<usize, Vec<&'static str>>,
     /// Figures, as in `iiwasim plan --json`.
     figures: Value,
     compared: Option<Compared>,
@@ -100,6 +107,9 @@ struct ArmMotion {
     curves: Option<Curves>,
     /// Torques that the joints exert, in Nm; without columns if the file lacks them.
     torque: CurveColumns,
+    /// Bodies that the arm carries over time; none if their times are unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bodies: Option<BodyTimes>,
     /// Speed in m/s: of the flange, and, with a tool, of the TCP.
     #[serde(skip_serializing_if = "Option::is_none")]
     speed: Option<CurveColumns>,
@@ -190,20 +200,23 @@ struct LimitShares {
     jerk: Joints,
 }
 
-/// Comparison of a recording with a plan.
-#[derive(Serialize)]
-struct Compared {
-    /// Report, as in `iiwasim compare --json`.
-    report: ComparisonReport,
-    /// Deviations of recorded samples, over the page's time.
-    tcp_mm: CurveColumns,
-    joints_mrad: CurveColumns,
+/// Shapes of the loads of a program; `None` without shapes, or with a note if they cannot be read.
+fn carried_bodies(program: &Program, notes: &mut Vec<String>) -> Option<CarriedBodies> {
+    match CarriedBodies::new(program, recorded_mesh) {
+        Ok(carried) => (!carried.bodies().is_empty()).then_some(carried),
+        Err(error) => {
+            notes.push(format!("{error}; no shapes of loads are shown or checked"));
+            None
+        }
+    }
 }
 
-impl std::fmt::Debug for Compared {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Compared").field("tcp_mm", &self.tcp_mm).finish_non_exhaustive()
-    }
+/// Note on a file in which the load changes are not known in time.
+fn unknown_times(name: &str) -> String {
+    format!(
+        "{name}: the times of its load changes are unknown, so that no shapes of loads and no \
+         clearances are shown for it"
+    )
 }
 
 impl Page {
@@ -224,10 +237,8 @@ impl Page {
         swapped(&first, second.as_ref())?;
         let (robot, assumed) = first.robot(options.robot.as_ref())?;
         first.check(&robot)?;
-        let title = match &second {
-            None => first.file.clone(),
-            Some(second) => format!("{} and {}", first.file, second.file),
-        };
+        let title = second.as_ref().map(|second| format!("{} and {}", first.file, second.file));
+        let title = title.unwrap_or_else(|| first.file.clone());
         let mut notes: Vec<String> = assumed.into_iter().collect();
         let (first, second) = match second {
             None => beside_its_plan(first, &robot, options.interrupted, &mut notes)?,
@@ -236,7 +247,7 @@ impl Page {
         notes.extend(first.losses());
         if first.role() == Role::Part {
             notes.push(format!(
-                "{}: a plan without the end of its file: its motions and limits up to there",
+                "{}: the file of the plan is truncated; motions and limits are shown up to its end",
                 first.name
             ));
         }
@@ -248,9 +259,15 @@ impl Page {
         let scene = options.scene.as_ref().filter(|_| extent == Extent::Whole);
         let meshes = options.arm.as_ref().filter(|_| extent == Extent::Whole);
         let meshes = meshes.map(|source| source.of(&robot)).transpose()?;
+        let carried = program.as_ref().filter(|_| extent == Extent::Whole);
+        let carried = carried.and_then(|program| carried_bodies(program, &mut notes));
         let in_scene = scene.map(|scene| match &meshes {
             Some(meshes) => ArmInScene::with_meshes(&robot, scene, meshes),
             None => ArmInScene::new(&robot, scene),
+        });
+        let in_scene = in_scene.map(|arm| match &carried {
+            Some(carried) => arm.carrying(carried),
+            None => arm,
         });
         let making = Making {
             extent,
@@ -259,28 +276,45 @@ impl Page {
             workcell: &workcell,
             pieces: &first.record.pieces,
         };
-        let mut arms = vec![making.arm(&first, shift_s)];
+        let bodies = match (&carried, first.role()) {
+            (None, _) => Some(BodyTimes::default()),
+            (Some(_), Role::Recording) => None,
+            (Some(carried), role) => {
+                Some(BodyTimes::of_plan(carried, &first.record.pieces, role == Role::Plan))
+            }
+        };
+        if bodies.is_none() {
+            notes.push(unknown_times(&first.name));
+        }
+        let mut arms = vec![making.arm(&first, shift_s, bodies)];
         if let Some(second) = &second {
             second.check(&robot)?;
             if second.role() != Role::Recording {
                 notes.push(format!("{}: a plan, too: nothing in it was measured", second.name));
             }
-            let shift_s = match comparison(&first, second, &robot) {
-                Ok((report, shift_s)) => {
+            let (shift_s, motions) = match comparison(&first, second, &robot) {
+                Ok((report, shift_s, motions)) => {
                     compared = Some(report);
-                    shift_s
+                    (shift_s, motions)
                 }
                 Err(why) => {
                     notes.push(why);
-                    from_start(second)
+                    (from_start(second), Vec::new())
                 }
             };
+            let bodies = match &carried {
+                None => Some(BodyTimes::default()),
+                Some(carried) => BodyTimes::of_recording(carried, &motions),
+            };
+            if bodies.is_none() {
+                notes.push(unknown_times(&second.name));
+            }
             // The comparison reports gaps itself.
             let gap = |loss: &Loss| matches!(loss, Loss::Gap { .. });
             if compared.is_none() || !second.log.losses.iter().all(gap) {
                 notes.extend(second.losses());
             }
-            arms.push(making.arm(second, shift_s));
+            arms.push(making.arm(second, shift_s, bodies));
         }
         let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
         Ok(Self {
@@ -289,7 +323,9 @@ impl Page {
             corners: corners(&first.record.pieces, program.as_ref(), &robot),
             workcell,
             scene: scene.cloned(),
+            carried,
             shares: shares(motions),
+            segments: segments(motions),
             figures: first.record.to_json(),
             pieces: first.record.pieces,
             compared,
@@ -365,7 +401,7 @@ fn beside_its_plan(
         Some(Ok(plan)) => {
             notes.push(format!(
                 "{}: the plan beside it was made for this page, of the program that the recording \
-                 holds, with limits of jerk",
+                 holds, with jerk limits",
                 alone.name
             ));
             Ok((plan, Some(alone)))
@@ -385,59 +421,13 @@ fn from_start(source: &PageSource) -> f64 {
     source.log.t_s.first().map_or(0.0, |first| 0.0 - first)
 }
 
-/// Compares the recording with the plan; returns also the time shift from the recording to the
-/// plan, or the reason for failure.
-fn comparison(
-    first: &PageSource,
-    second: &PageSource,
-    robot: &Robot,
-) -> Result<(Compared, f64), String> {
-    let not = |why: String| format!("not compared, both start at 0: {why}");
-    if first.role() != Role::Plan || first.is_broken_off() {
-        return Err(not(format!("{} is not a whole plan", first.name)));
-    }
-    let plan = PlannedTrajectory::from_record(first.record.clone(), Some(robot.clone()))
-        .map_err(|error| not(with_causes(&error)))?;
-    let comparison: Comparison = iiwa_eval::compare(&plan, &second.log)
-        .map_err(|error| not(format!("{}: {}", second.name, with_causes(&error))))?;
-    let moves = |piece: &&PlanPiece| piece.kind.moves();
-    let start_s = first.record.pieces.iter().find(moves).map_or(0.0, |piece| piece.start_s);
-    let names = [Path::new(&first.name), Path::new(&second.name)];
-    let compared = Compared {
-        report: ComparisonReport::new(names, None, &plan, &second.log, &comparison),
-        tcp_mm: deviation(&comparison, start_s, |point| 1e3 * point.tcp_deviation_m),
-        joints_mrad: deviation(&comparison, start_s, |point| 1e3 * point.joints_rad),
-    };
-    Ok((compared, start_s - comparison.departure_s))
-}
-
-/// Returns a deviation over the time of the recording, which continues during pauses of the plan's
-/// time; the arm starts at `start_s`.
-fn deviation(
-    comparison: &Comparison,
-    start_s: f64,
-    value: impl Fn(&TracePoint) -> f64,
-) -> CurveColumns {
-    let mut samples = TimeSeries::<1>::with_capacity(comparison.trace.len());
-    for part in comparison.unbroken_trace() {
-        if let (Some(last), Some(first)) = (samples.t_s.last(), part.first()) {
-            let middle_s = f64::midpoint(*last, start_s + first.measured_s);
-            samples.push(middle_s, [f64::NAN]);
-        }
-        for point in part {
-            samples.push(start_s + point.measured_s, [value(point)]);
-        }
-    }
-    CurveColumns::new(&samples, 0.0)
-}
-
 /// Returns the motions with reduced limits, by their numbers.
 fn shares(motions: &[Motion]) -> BTreeMap<usize, LimitShares> {
     let motion_share = |(index, motion): (usize, &Motion)| {
         let share = |kind| match motion {
             Motion::Ptp(ptp) => Some(*ptp.share(kind)),
             Motion::Cartesian(cartesian) => Some(cartesian.shares[kind]),
-            Motion::Wait { .. } | Motion::Load(_) => None,
+            Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => None,
         };
         let [velocity, acceleration, jerk] = LimitKind::ALL.map(share);
         let [velocity, acceleration, jerk] = [velocity?, acceleration?, jerk?];
@@ -472,7 +462,7 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
                 let (_, pose) = program.workcell.target(target, cartesian.base.as_deref()).ok()?;
                 (pose.position_m, cartesian.blend?.cart_mm)
             }
-            Motion::Wait { .. } | Motion::Load(_) => return None,
+            Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => return None,
         };
         // A blend belongs to the motion that it leads into.
         let waits =
@@ -484,6 +474,12 @@ fn corners(pieces: &[PlanPiece], program: Option<&Program>, robot: &Robot) -> Ve
         })
     };
     program.motions.iter().enumerate().filter_map(corner).collect()
+}
+
+/// Returns the contents of a mesh in a stored program.
+fn recorded_mesh(file: &str) -> Result<Vec<u8>, String> {
+    iiwa_plan::embedded_mesh(file)
+        .unwrap_or_else(|| Err("the recorded program does not contain this mesh".to_owned()))
 }
 
 /// Common input for all arms of a page.
@@ -498,8 +494,9 @@ struct Making<'a> {
 }
 
 impl Making<'_> {
-    /// Converts the motion of a file, all times shifted by `shift_s`.
-    fn arm(&self, source: &PageSource, shift_s: f64) -> ArmMotion {
+    /// Converts the motion of a file, all times shifted by `shift_s`. Without the times of carried
+    /// `bodies`, clearances are unknown.
+    fn arm(&self, source: &PageSource, shift_s: f64, bodies: Option<BodyTimes>) -> ArmMotion {
         let log = &source.log;
         let times = |t_s: Option<&f64>| t_s.map_or(0.0, |t_s| t_s + shift_s);
         let (start_s, end_s) = (times(log.t_s.first()), times(log.t_s.last()));
@@ -507,10 +504,11 @@ impl Making<'_> {
         let (mut clearance, mut self_clearance, mut speed) = (None, None, None);
         let mut measure = |position: &TimeSeries, velocity: &TimeSeries| {
             let distances = |of_pose: OfPose| {
-                self.scene.and_then(|arm| Clearances::new(arm, of_pose, position, shift_s))
+                let (arm, bodies) = self.scene.zip(bodies.as_ref())?;
+                Clearances::new(arm, of_pose, position, bodies, shift_s)
             };
-            clearance = distances(ArmInScene::clearance);
-            self_clearance = distances(ArmInScene::self_clearance);
+            clearance = distances(ArmInScene::clearance_during);
+            self_clearance = distances(ArmInScene::self_clearance_during);
             let states = std::iter::zip(position.at_times(&velocity.t_s), &velocity.rows);
             let states = std::iter::zip(&velocity.t_s, states);
             let states = states.map(|(t_s, (q, dq))| (*t_s, q, dq));
@@ -543,6 +541,7 @@ impl Making<'_> {
             poses,
             curves,
             torque: CurveColumns::new(&measured::torques(log), shift_s),
+            bodies: bodies.filter(|bodies| !bodies.is_empty()),
             speed,
             clearance,
             self_clearance,

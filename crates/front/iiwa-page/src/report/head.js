@@ -1,5 +1,16 @@
 // The head of the page, and the legends of robot and curve colours.
 
+/** Pieces of the path, as KUKA names them. */
+const PIECE_NAMES = {
+  line: "PTP",
+  lin: "LIN",
+  circ: "CIRC",
+  spline: "spline segment",
+  blend: "blend",
+  settle: "settling",
+  wait: "waiting",
+};
+
 /** The peak torque of motions, relative to its limit. */
 function largestTorque(motions) {
   const all = motions.flatMap(({ index, torque }) =>
@@ -20,8 +31,12 @@ function writeHead() {
   const { figures } = report;
   const seconds = (value) => `${number(value, 3)} s`;
   const arm = (it) => `${it.samples} samples${it.rate_hz ? `, ${number(it.rate_hz, 0)} Hz` : ""}`;
+  const limited =
+    figures.timing === "acceleration"
+      ? "velocity and acceleration"
+      : "velocity, acceleration and jerk";
   const summary = {
-    plan: `Plan for ${report.robot.name}, ${figures.timing === "acceleration" ? "velocity and acceleration" : "velocity, acceleration and jerk"} limits`,
+    plan: `Plan for ${report.robot.name}, ${limited} limits`,
     part: `Part of a plan for ${report.robot.name}: ${arm(first)}`,
     recording: `Recording of ${report.robot.name}: ${arm(first)}`,
   };
@@ -70,6 +85,13 @@ function writeHead() {
     }
   }
   for (const note of report.notes) $("notes").append(element("li", note));
+  const assumedInputs = (figures.rests_on || []).filter(({ what }) => what.startsWith("wait_for:"));
+  for (const { what, first: motion } of assumedInputs.slice(0, 10))
+    $("notes").append(element("li", `Assumed, from motion ${motion}: ${what}`));
+  if (assumedInputs.length > 10)
+    $("notes").append(
+      element("li", `${assumedInputs.length - 10} more: iiwasim plan --assumptions lists them.`),
+    );
   const methods = report.arms.map((it) => {
     const columns = Math.max(it.position.samples_a_column, it.velocity.samples_a_column);
     const thinned =
@@ -90,11 +112,11 @@ function writeLegends() {
   const { tcps, frames } = report.workcell;
   const parts = [["line", `${tcps.length ? "TCP" : "flange"} path`]];
   const has = (kind) => report.pieces.some((piece) => piece.kind === kind);
-  if (has("line")) parts[0][1] = "lines";
+  if (has("line")) parts[0][1] = "PTP";
   else if (has("lin") || has("circ") || has("spline")) parts.pop();
-  if (has("lin")) parts.push(["lin", "TCP lines (LIN)"]);
-  if (has("circ")) parts.push(["circ", "TCP circles (CIRC)"]);
-  if (has("spline")) parts.push(["spline", "TCP splines"]);
+  if (has("lin")) parts.push(["lin", "LIN"]);
+  if (has("circ")) parts.push(["circ", "CIRC"]);
+  if (has("spline")) parts.push(["spline", "splines (SPL)"]);
   if (report.pieces.some((piece) => piece.kind === "blend")) {
     const marks = ["from start to end"];
     if (report.corners.length) marks.push("dots: their targets");
@@ -105,26 +127,18 @@ function writeLegends() {
   if (frames.length) parts.push(["soft", "crosses of axes: frames; x red, y green, z blue"]);
   if (around.obstacles.length)
     parts.push(["soft", "obstacles"], ["blend", "thick line: smallest distance"]);
-  if (around.tool.length) parts.push(["settle", "shapes of the tool"]);
+  if (around.tool.length || around.bodies.length)
+    parts.push(["settle", "shapes of tool and workpiece"]);
   if (second)
     parts.push(
       ["accent", `see-through arm: ${called(first)}`],
       ["measured", `solid arm and thin line: ${called(second)}`],
     );
   if (scene) legend($("legend"), parts);
-  const kinds = [
-    ["line", "line"],
-    ["lin", "TCP line"],
-    ["circ", "TCP circle"],
-    ["spline", "spline segment"],
-    ["blend", "blend"],
-    ["settle", "settling"],
-    ["wait", "waiting"],
-  ];
   const there = new Set(report.pieces.map((piece) => piece.kind));
   legend(
     $("kinds"),
-    kinds.filter(([kind]) => there.has(kind)),
+    Object.entries(PIECE_NAMES).filter(([kind]) => there.has(kind)),
   );
   document.querySelector(".track").hidden = report.pieces.length === 0;
   const bands = [["beyond", "beyond the robot's limits"]];

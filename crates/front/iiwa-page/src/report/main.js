@@ -9,7 +9,8 @@ function ways() {
   return all;
 }
 
-const around = surroundings(report.scene);
+const around = surroundings(report.scene, report.carried);
+const bodiesAt = report.arms.map(bodiesOf);
 let scene = null;
 try {
   scene = makeScene($("scene"));
@@ -34,6 +35,7 @@ function drawScene() {
   const arms = report.arms.map((arm, i) => ({
     q: jointsAt(arm, state.time),
     tool: toolAt(state.time),
+    bodies: bodiesAt[i](state.time),
     ghost: second && i === 0 ? "accent" : null,
   }));
   // The minimum clearance over all times, as in the twin.
@@ -199,6 +201,8 @@ function listen() {
 writeHead();
 writeNowTable();
 writeMotions();
+writeGroups();
+writeRepeats();
 writeCompared();
 writeLegends();
 const drawAll = listen();

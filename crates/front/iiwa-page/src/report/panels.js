@@ -61,7 +61,8 @@ function addQuantities() {
           percent && largest > MOST_PERCENT
             ? `, up to ${number(largest, 0)}, drawn up to ${MOST_PERCENT}`
             : "";
-        title.textContent = `${quantity.title}, ${percent ? "% of the limit" : quantity.unit}${beyond}`;
+        const unit = percent ? "% of the limit" : quantity.unit;
+        title.textContent = `${quantity.title}, ${unit}${beyond}`;
       },
       readings: (t) => {
         const { scale, offset } = shownScale(quantity);
@@ -163,7 +164,9 @@ listChart(
   (canvas, colours) => drawTimeline(canvas, state, colours),
   (t) => {
     const piece = report.pieces.length ? pieceAt(t) : null;
-    return piece ? [[piece.kind, `Motion ${piece.motion}`, piece.kind]] : [];
+    return piece
+      ? [[piece.kind, `Motion ${piece.motion}`, PIECE_NAMES[piece.kind] || piece.kind]]
+      : [];
   },
 );
 if (report.compared) addDeviations();

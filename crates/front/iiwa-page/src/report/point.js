@@ -16,9 +16,9 @@ function tipAt(t) {
 }
 
 /** Position of flange or TCP, in mm, and its angles A, B, C, in deg: R = Rz(A) Ry(B) Rx(C). */
-function placeOf(arm, t) {
+function placeOf(arm, t, isTcp = point.tcp) {
   let m = linkPoses(jointsAt(arm, t)).at(-1);
-  if (point.tcp) {
+  if (isTcp) {
     const { offset_m, rotation } = tipAt(t);
     m = product(m, posed(offset_m, rotation));
   }

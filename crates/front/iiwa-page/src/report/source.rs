@@ -1,11 +1,11 @@
 //! Files shown on a page.
 
 use std::{
-    fs::File,
     io::{self, Read},
     path::Path,
 };
 
+use iiwa_files::InputFile;
 use iiwa_kin::Robot;
 use iiwa_log::{JointLog, LogOptions, Loss, PlanRecord, PositionSource as Format};
 use iiwa_program::Program;
@@ -41,12 +41,28 @@ pub(crate) enum Role {
 impl PageSource {
     /// Reads a file up to the first damage.
     pub(crate) fn read(path: &Path, options: LogOptions) -> Result<Self, PageError> {
+        let mut input = open(path)?;
+        if input.is_pipe() {
+            // A pipe can be read only once.
+            let mut content = Vec::new();
+            input.read_to_end(&mut content).map_err(|source| to_error(path, source))?;
+            return Self::read_twice(path, options, || Ok(content.as_slice()));
+        }
+        Self::read_twice(path, options, || open(path))
+    }
+
+    /// Reads a file that `open` opens once for its joint positions, and once for the rest.
+    fn read_twice<R: Read>(
+        path: &Path,
+        options: LogOptions,
+        open: impl Fn() -> Result<R, PageError>,
+    ) -> Result<Self, PageError> {
         let name = path.display().to_string();
-        let log = JointLog::read_with(open(path)?, options)
+        let log = JointLog::read_with(open()?, options)
             .and_then(|log| log.check_rate().map(|()| log))
             .map_err(|source| PageError::Recording { name: name.clone(), source })?;
         let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Self { name, file, log, record: PlanRecord::default() }.with_record(|| open(path))
+        Self { name, file, log, record: PlanRecord::default() }.with_record(open)
     }
 
     /// Reads an MCAP file that was created for the page, with a name to show.
@@ -144,12 +160,11 @@ impl PageSource {
     }
 }
 
-/// Opens a file.
-fn open(path: &Path) -> Result<File, PageError> {
-    let to_error = |source| PageError::Open { name: path.display().to_string(), source };
-    let file = File::open(path).map_err(to_error)?;
-    if file.metadata().is_ok_and(|kind| kind.is_dir()) {
-        return Err(to_error(io::Error::from(io::ErrorKind::IsADirectory)));
-    }
-    Ok(file)
+/// Opens a file or a pipe.
+fn open(path: &Path) -> Result<InputFile, PageError> {
+    InputFile::open(path).map_err(|source| to_error(path, source))
+}
+
+fn to_error(path: &Path, source: io::Error) -> PageError {
+    PageError::Open { name: path.display().to_string(), source }
 }

@@ -1,6 +1,16 @@
 // Tables of current values, motions and errors.
 
-const cells = { joints: [], flange: [], rows: [] };
+const cells = { joints: [], poses: [], rows: [] };
+
+/** Types of motions, as KUKA names them. */
+const TYPE_NAMES = {
+  ptp: "PTP",
+  lin: "LIN",
+  lin_rel: "LIN_REL",
+  circ: "CIRC",
+  spl: "SPL",
+  spline: "Spline",
+};
 
 function writeNowTable() {
   for (let j = 0; j < 7; j++) {
@@ -15,13 +25,44 @@ function writeNowTable() {
     $("joints").append(row);
     cells.joints.push({ position, velocity, torque, mark });
   }
-  for (const arm of report.arms) {
-    const row = element("tr");
-    const places = [element("td"), element("td"), element("td")];
-    row.append(element("td", called(arm)), ...places);
-    $("flange").append(row);
-    cells.flange.push(places);
+  writePoseTable();
+}
+
+/** Adds the table of the current poses: flange and, with a tool, TCP of each robot. */
+function writePoseTable() {
+  const points = hasTool ? ["flange", "TCP"] : ["flange"];
+  if (second) {
+    const names = element("tr");
+    names.append(element("th"));
+    for (const arm of report.arms) {
+      const name = element("th", called(arm));
+      name.colSpan = points.length;
+      names.append(name);
+    }
+    $("pose-head").append(names);
   }
+  const head = element("tr");
+  head.append(element("th"), ...report.arms.flatMap(() => points.map((it) => element("th", it))));
+  $("pose-head").append(head);
+  for (const name of ["X mm", "Y mm", "Z mm", "A deg", "B deg", "C deg"]) {
+    const row = element("tr");
+    const values = report.arms.flatMap(() => points.map(() => element("td")));
+    row.append(element("td", name), ...values);
+    $("pose").append(row);
+    cells.poses.push(values);
+  }
+}
+
+/** Writes the current poses. */
+function writePoses(t) {
+  const poses = report.arms.flatMap((arm) =>
+    (hasTool ? [false, true] : [false]).map((isTcp) => placeOf(arm, t, isTcp)),
+  );
+  cells.poses.forEach((values, k) => {
+    values.forEach((cell, i) => {
+      cell.textContent = number(poses[i][k], k < 3 ? 1 : 2);
+    });
+  });
 }
 
 function writeNow() {
@@ -38,46 +79,49 @@ function writeNow() {
     const { lower_rad: lower, upper_rad: upper } = report.robot;
     mark.style.left = `${(100 * (q[j] - lower[j])) / (upper[j] - lower[j])}%`;
   });
-  report.arms.forEach((it, i) => {
-    flangeAt(jointsAt(it, t)).forEach((v, k) => {
-      cells.flange[i][k].textContent = number(1000 * v, 1);
-    });
-  });
+  writePoses(t);
   const piece = report.pieces.length ? pieceAt(t) : null;
-  const words = {
-    line: "on a straight line in joint space",
-    lin: "on a TCP line",
-    circ: "on a TCP circle",
-    spline: "on a TCP spline",
-    blend: "blending in",
-    settle: "settling",
-    wait: "waiting",
-  };
+  const limitText = ({ limit, joint }) =>
+    limit ? `; limited by the ${limit.replace("_", " ")}${joint ? ` of A${joint}` : ""}` : "";
   $("piece").textContent = piece
-    ? `Motion ${piece.motion}${sourceOf(piece.motion)}, ${words[piece.kind] || piece.kind}${piece.limit ? `; limited by the ${piece.limit.replace("_", " ")}${piece.joint ? ` of A${piece.joint}` : ""}` : ""}`
+    ? `Motion ${piece.motion}${titleOf(piece.motion)}, ` +
+      `${PIECE_NAMES[piece.kind] || piece.kind}${limitText(piece)}`
     : "";
   const near = report.arms.filter((arm) => arm.clearance).at(-1)?.clearance;
   if (near) {
     const mm = 1000 * valueAt(near.distance, t, 0, 1);
     const pair = pairAt(near, t);
-    $("pair").textContent =
-      `At ${number(t, 3)} s: ${mm > 0 ? `${number(mm, 1)} mm` : "touching"}, ${pairText(pair.link, pair.other)}`;
+    const distance = mm > 0 ? `${number(mm, 1)} mm` : "touching";
+    $("pair").textContent = `At ${number(t, 3)} s: ${distance}, ${pairText(pair.link, pair.other)}`;
   }
-  for (const { row, motion } of cells.rows)
-    row.classList.toggle("current", Boolean(piece) && piece.motion === motion);
+  for (const { row, motion, segment } of cells.rows)
+    row.classList.toggle(
+      "current",
+      Boolean(piece) && (segment ? piece === segment : piece.motion === motion),
+    );
 }
 
 // ---- the table of motions
 
-let sources = null;
+let titles = null;
 
-/** The source of a motion in parentheses, if known. */
-function sourceOf(motion) {
-  sources ??= new Map(
-    motionRows().flatMap(({ index, source }) => (source ? [[index, source]] : [])),
+/** The round of a motion in its repeat blocks; empty outside of blocks. */
+function roundOf({ rounds = [] }) {
+  const texts = rounds.map(({ number, count }) => `${number} of ${count}`);
+  return texts.length ? `round ${texts.join(", ")}` : "";
+}
+
+/** The name of a motion in quotes, and its source and round in parentheses, if known. */
+function titleOf(motion) {
+  titles ??= new Map(
+    motionRows().map((motion) => {
+      const { index, name, source } = motion;
+      const origin = [source ? `${source.file}:${source.line}` : "", roundOf(motion)];
+      const known = origin.filter(Boolean).join(", ");
+      return [index, (name ? ` "${name}"` : "") + (known ? ` (${known})` : "")];
+    }),
   );
-  const source = sources.get(motion);
-  return source ? ` (${source.file}:${source.line})` : "";
+  return titles.get(motion) || "";
 }
 
 /** The name of a joint or TCP limit. */
@@ -106,6 +150,36 @@ function motionRows() {
   return rows;
 }
 
+/** Adds a row for each segment of a spline, below the row of the motion. The types are those of the
+    program if each of its segments is one piece of the path. */
+function addSegments(body, index, names) {
+  const pieces = report.pieces.filter((it) => it.motion === index && it.kind === "spline");
+  if (pieces.length < 2) return;
+  const types = report.segments[index];
+  pieces.forEach((piece, k) => {
+    const values = {
+      motion: `${index}.${k + 1}`,
+      type: types?.length === pieces.length ? types[k] : "segment",
+      "start s": number(piece.start_s, 3),
+      "end s": number(piece.end_s, 3),
+      "duration s": number(piece.end_s - piece.start_s, 3),
+      "limited by": piece.limit ? limitName(piece.joint, piece.limit) : "",
+    };
+    const row = element("tr", "", "segment");
+    for (const name of names) {
+      const cell = element("td", values[name] ?? "", WORDS.includes(name) ? "word" : "");
+      cell.dataset.name = name;
+      row.append(cell);
+    }
+    row.addEventListener("click", () => seek(piece.start_s));
+    body.append(row);
+    cells.rows.push({ row, segment: piece });
+  });
+}
+
+/** Columns of text. */
+const WORDS = ["type", "name", "group", "round", "I/O", "source", "limited by", "comment"];
+
 function writeMotions() {
   const SHOWN = 300;
   const rows = motionRows();
@@ -115,7 +189,13 @@ function writeMotions() {
     ? new Map(report.compared.report.motions.map((row) => [row.index, row]))
     : null;
   const head = element("tr");
-  const names = ["motion", "type", "start s", "end s", "duration s", "top speed %"];
+  const labels = ["name", "group"].filter((key) => rows.some((row) => row[key]));
+  const hasRound = rows.some(({ rounds }) => rounds);
+  const hasIo = rows.some((row) => row.io !== undefined);
+  const names = ["motion", "type", ...labels];
+  if (hasRound) names.push("round");
+  if (hasIo) names.push("I/O");
+  names.push("start s", "end s", "duration s", "top speed %");
   const hasTcp = rows.some((row) => row.tcp_speed_peak_mm_s !== undefined);
   if (hasTcp) names.push("TCP mm/s", "nearest singularity");
   const hasTorque = rows.some((row) => row.torque);
@@ -124,8 +204,9 @@ function writeMotions() {
   const hasSource = rows.some((row) => row.source);
   if (hasSource) names.push("source");
   names.push("limited by");
-  for (const name of names)
-    head.append(element("th", name, ["type", "source", "limited by"].includes(name) ? "word" : ""));
+  const hasComment = rows.some((row) => row.comment);
+  if (hasComment) names.push("comment");
+  for (const name of names) head.append(element("th", name, WORDS.includes(name) ? "word" : ""));
   const headed = element("thead");
   headed.append(head);
   const body = element("tbody");
@@ -138,7 +219,10 @@ function writeMotions() {
       row.append(cell);
     };
     add(motion.index);
-    add(motion.type, "word");
+    add(TYPE_NAMES[motion.type] || motion.type, "word");
+    for (const key of labels) add(motion[key] || "", "word");
+    if (hasRound) add(roundOf(motion).replace("round ", ""), "word");
+    if (hasIo) add(motion.io === undefined ? "" : `${motion.io} = ${motion.value}`, "word");
     for (const value of [motion.start_s, motion.end_s, motion.end_s - motion.start_s])
       add(number(value, 3));
     add(motion.peak_velocity_rel === undefined ? "" : number(100 * motion.peak_velocity_rel, 1));
@@ -166,17 +250,105 @@ function writeMotions() {
     if (!shares.length && motion.limited_by)
       shares.push(limitName(motion.limited_by.joint, motion.limited_by.kind));
     add(shares.join(", "), "word");
+    if (hasComment) add(motion.comment || "", "word comment");
     row.addEventListener("click", () => {
       seek(motion.start_s);
     });
     body.append(row);
     cells.rows.push({ row, motion: motion.index });
+    addSegments(body, motion.index, names);
   }
   $("table").append(headed, body);
   const hidden = rows.length - Math.min(rows.length, SHOWN);
   $("more").textContent =
-    "A motion lasts from the start of the blend before it to the start of the blend after it, or to its stop; shares are relative to its duration." +
+    "A motion lasts from the start of the blend before it to the start of the blend after it, or " +
+    "to its stop; shares are relative to its duration." +
     (hidden ? ` ${hidden} more motions: iiwasim plan --json has them.` : "");
+}
+
+/**
+ * Fills a table whose first column has words and whose other columns have numbers. A row has texts,
+ * and may have a title.
+ */
+function fillTable(table, names, rows) {
+  const head = element("tr");
+  names.forEach((name, column) => {
+    head.append(element("th", name, column ? "" : "word"));
+  });
+  const headed = element("thead");
+  headed.append(head);
+  const body = element("tbody");
+  for (const { texts, title } of rows) {
+    const row = element("tr");
+    if (title) row.title = title;
+    texts.forEach((text, column) => {
+      const cell = element("td", text, column ? "" : "word");
+      cell.dataset.name = names[column];
+      row.append(cell);
+    });
+    body.append(row);
+  }
+  table.append(headed, body);
+}
+
+/** The table of groups, if the program has any. */
+function writeGroups() {
+  const SHOWN = 300;
+  const groups = report.figures.groups || [];
+  if (!groups.length) return;
+  $("groups").hidden = false;
+  const rows = groups.slice(0, SHOWN).map((group) => ({
+    texts: [
+      group.contiguous ? group.name : `${group.name} *`,
+      group.motions,
+      number(group.duration_s, 3),
+      number(100 * group.share, 1),
+    ],
+  }));
+  fillTable($("group-table"), ["group", "motions", "duration s", "% of cycle time"], rows);
+  const hidden = groups.length - Math.min(groups.length, SHOWN);
+  $("group-notes").textContent =
+    "Duration: sum of the motions and waits of the group, without settling after stops." +
+    (groups.every(({ contiguous }) => contiguous)
+      ? ""
+      : " * Other motions lie between the motions of this group.") +
+    (hidden ? ` ${hidden} more groups: iiwasim plan --json has them.` : "");
+}
+
+/** The table of repeat blocks, if the program has any. */
+function writeRepeats() {
+  const SHOWN = 300;
+  const repeats = report.figures.repeats || [];
+  if (!repeats.length) return;
+  $("repeats").hidden = false;
+  const names = [
+    "block",
+    "first motion",
+    "motions",
+    "rounds",
+    "duration s",
+    "% of cycle time",
+    "shortest round s",
+    "longest round s",
+  ];
+  const rows = repeats.slice(0, SHOWN).map((repeat) => ({
+    title: repeat.comment,
+    texts: [
+      "> ".repeat(repeat.depth - 1) + (repeat.name || ""),
+      repeat.first_motion,
+      repeat.motions,
+      repeat.count,
+      number(repeat.duration_s, 3),
+      number(100 * repeat.share, 1),
+      number(repeat.min_round_s, 3),
+      number(repeat.max_round_s, 3),
+    ],
+  }));
+  fillTable($("repeat-table"), names, rows);
+  const hidden = repeats.length - Math.min(repeats.length, SHOWN);
+  $("repeat-notes").textContent =
+    "A round lasts from its first motion to the motion after it, with settling after stops." +
+    (hidden ? ` ${hidden} more blocks: iiwasim plan --json has them.` : "");
 }
 
 function writeCompared() {
@@ -204,12 +376,14 @@ function writeCompared() {
     atLeast(1e3 * joint.max_rad, 3, "mrad"),
   );
   const notes = [
-    `Each sample is compared with the nearest point of the planned path, regardless of time; recording noise (${rest.noise_rad.toExponential(1)} rad) counts as distance.`,
+    "Each sample is compared with the nearest point of the planned path, regardless of time; " +
+      `recording noise (${rest.noise_rad.toExponential(1)} rad) counts as distance.`,
     ...rest.losses,
   ];
   if (rest.again_s !== null)
     notes.push(
-      `The recording contains the program again, from ${number(rest.again_s, 3)} s on; the first run is used.`,
+      `The recording contains the program again, from ${number(rest.again_s, 3)} s on; the first ` +
+        "run is used.",
     );
   const sentence = (text) =>
     text[0].toUpperCase() + text.slice(1) + (text.endsWith(".") ? "" : ".");

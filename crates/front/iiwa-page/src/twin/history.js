@@ -59,6 +59,17 @@ function remember({ t_s: t, joints_rad: q, torque_nm: torques }) {
 const speedNow = () =>
   history_.count ? history_.rows[NUMBERS * (history_.count - 1) + SPEED] : Number.NaN;
 
+/** Shows the text of an empty chart while none of its values is known. */
+function markEmpty(id, rows, columns) {
+  let isEmpty = true;
+  for (let row = rows.length - NUMBERS; isEmpty && row >= 0; row -= NUMBERS)
+    isEmpty = columns.every((at) => Number.isNaN(rows[row + at]));
+  $(id).parentElement.querySelector(".empty").hidden = !isEmpty;
+}
+
+/** The numbers of seven joints in a sample, from `first`. */
+const sevenFrom = (first) => Array.from({ length: 7 }, (_, j) => first + j);
+
 /** Draws the last seconds; the newest is at 0. */
 function drawHistory() {
   const past = history_;
@@ -66,6 +77,9 @@ function drawHistory() {
   const first = countUpTo(past.t_s.subarray(0, past.count), newest - past.span);
   const t_s = past.t_s.subarray(first, past.count).map((t) => t - newest);
   const rows = past.rows.subarray(NUMBERS * first, NUMBERS * past.count);
+  markEmpty("history-joints", rows, sevenFrom(0));
+  markEmpty("history-speed", rows, [SPEED]);
+  markEmpty("history-torque", rows, [...sevenFrom(MEASURED), ...sevenFrom(PLANNED)]);
   const colours = theme().flat;
   const window_ = { from: -past.span, to: 0 };
   const curve = (at, colour, factor) => ({
@@ -81,12 +95,8 @@ function drawHistory() {
   drawCurves($("history-joints"), joints, window_, colours, {
     fromZero: false,
     least: 1,
-    withTimes: false,
   });
-  drawCurves($("history-speed"), [curve(SPEED, "accent", 1000)], window_, colours, {
-    least: 10,
-    withTimes: false,
-  });
+  drawCurves($("history-speed"), [curve(SPEED, "accent", 1000)], window_, colours, { least: 10 });
   const shares = (at, under) =>
     robot.torque_nm.map((limit, j) => ({ ...curve(at + j, `a${j + 1}`, 100 / limit), under }));
   const torques = [...shares(PLANNED, true), ...shares(MEASURED, false)];
@@ -97,7 +107,7 @@ function drawHistory() {
 let isHistorySeen = false;
 new IntersectionObserver((entries) => {
   isHistorySeen = entries.at(-1).isIntersecting;
-}).observe($("history-joints"));
+}).observe(document.querySelector(".charts"));
 
 function writeHistory() {
   const speed = speedNow();

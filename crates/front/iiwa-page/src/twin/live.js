@@ -61,8 +61,10 @@ const jointCells = Array.from({ length: 7 }, (_, j) => {
   for (const sign of [-1, 1]) {
     const button = element("button", sign < 0 ? "\u2212" : "+");
     button.type = "button";
-    button.setAttribute("aria-label", `Turn A${j + 1} ${sign < 0 ? "back" : "forth"} by a step`);
-    button.addEventListener("click", () => turnJoint(j + 1, sign));
+    const label = `Jog A${j + 1} in ${sign < 0 ? "negative" : "positive"} direction`;
+    button.setAttribute("aria-label", label);
+    button.setAttribute("aria-describedby", "jog-why");
+    button.addEventListener("click", () => jogJoint(j + 1, sign));
     jog.append(button);
   }
   row.append(element("td", `A${j + 1}`), position, temperature, torque, wide, jog);
@@ -70,8 +72,8 @@ const jointCells = Array.from({ length: 7 }, (_, j) => {
   return { position, temperature, torque, mark };
 });
 
-/** Moves a joint of the simulated robot by the step size of the page. */
-function turnJoint(joint, sign) {
+/** Moves a joint of the simulated robot by the jog increment of the page. */
+function jogJoint(joint, sign) {
   const step = $("jog-step");
   if (step.reportValidity()) ask("jog-said", "jog", { joint, step_deg: sign * Number(step.value) });
 }
@@ -89,8 +91,8 @@ function writeJoints(q) {
 
 function writeNearest() {
   for (const [id, title, nearest, least] of [
-    ["nearest", "Nearest", live.newest?.nearest, setup.min_clearance_mm],
-    ["self-nearest", "From itself", live.newest?.self_nearest, 0],
+    ["nearest", "Nearest obstacle", live.newest?.nearest, setup.min_clearance_mm],
+    ["self-nearest", "Distance to self-collision", live.newest?.self_nearest, 0],
   ]) {
     $(id).hidden = !nearest;
     if (!nearest) continue;
@@ -98,6 +100,8 @@ function writeNearest() {
     $(id).classList.toggle("near", nearest.distance_mm === 0 || nearest.distance_mm < least);
   }
 }
+
+$("no-scene").hidden = setup.scene !== null;
 
 function writeHealth() {
   const { status, caution, sensors, io } = live.health;
@@ -123,8 +127,16 @@ function writeHealth() {
     torque.textContent = sensors ? number(sensors.external_torque_nm[j], 1) : "";
   });
   document.body.classList.toggle("simulated", Boolean(status?.simulated));
+  const isIdle = status?.state === "idle";
+  const why = isIdle
+    ? ""
+    : `Jogging needs a robot at rest with an open session; its state is "${known(status?.state)}".`;
   for (const button of document.querySelectorAll("td.jog button"))
-    button.disabled = status?.state !== "idle";
+    disableFor(button, why, button.getAttribute("aria-label"));
+  writeText(
+    "jog-why",
+    why || "Each press jogs one joint of the simulated robot. Jog a real robot with the smartPAD.",
+  );
   writeIo(io || []);
   for (const part of ["io", "joints"]) $(part).classList.toggle("old", Boolean(live.health.is_old));
   // Hidden, but not removed, so that nothing shifts under the mouse when a motion begins or ends.
@@ -136,6 +148,7 @@ function writeHealth() {
 function writeIo(io) {
   const body = $("io");
   const names = io.map(({ name }) => name).join("\n");
+  $("io-empty").hidden = io.length > 0;
   if (body.dataset.names !== names) {
     body.dataset.names = names;
     body.replaceChildren(
@@ -163,7 +176,7 @@ async function switchIo(name) {
   if (!io || typeof io.value !== "boolean") return;
   const sure = await confirmed(
     `Switch ${name} ${io.value ? "off" : "on"}?`,
-    io.direction ? [] : ["The robot takes it for outputs only."],
+    io.direction ? [] : ["The robot accepts this for outputs only."],
     "Switch it",
   );
   if (sure) await ask("io-said", "set_io", { name, value: !io.value });
@@ -172,7 +185,10 @@ async function switchIo(name) {
 /** The error of the connection, if any. */
 function trouble() {
   if (!link.open)
-    return "The twin cannot be reached; retrying. If it was restarted, open the address that it has printed.";
+    return (
+      "The twin cannot be reached; retrying. If it was restarted, open the address that it has " +
+      "printed."
+    );
   if (live.health.error) return `Retrying: ${live.health.error}`;
   if (live.health.status && live.health.status.fri.session === "silent")
     return "The drive receives no data from the controller; retrying.";

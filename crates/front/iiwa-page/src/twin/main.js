@@ -3,8 +3,15 @@
 const shown = { mode: "live", time: 0, playing: false, frame: null };
 
 $("title").textContent = `Twin of ${robot.name}`;
-$("footer").textContent =
-  `Follows ${setup.drive}. ${setup.folder ? `Programs, plans and recordings are kept in ${setup.folder}.` : "Programs, plans and recordings are kept until the end of the twin (--output keeps them)."} Positions are kept in ${setup.positions}. The button that stops the robot is no emergency stop: it needs this page, the network, the drive and the robot program.`;
+$("footer").textContent = [
+  `Follows ${setup.drive}.`,
+  setup.folder
+    ? `Programs, plans and recordings are kept in ${setup.folder}.`
+    : "Programs, plans and recordings are kept until the end of the twin (--output keeps them).",
+  `Positions are kept in ${setup.positions}.`,
+  "The button that stops the robot is not an emergency stop: it needs this page, the network, the",
+  "drive and the robot program.",
+].join(" ");
 
 let scene = null;
 try {
@@ -62,10 +69,19 @@ function show(mode) {
   shown.mode = mode;
   for (const name of ["live", "simulation", "replay"])
     $(name).setAttribute("aria-pressed", String(name === mode));
-  $("simulation").disabled = !desk.plan;
-  $("replay").disabled = !canReplay();
   const arms = played(mode);
-  for (const id of ["play", "scrub"]) $(id).disabled = !arms.length;
+  const why = {
+    simulation: desk.plan ? "" : "Simulation needs a loaded program.",
+    replay: canReplay()
+      ? ""
+      : isRunning()
+        ? "Replay is available after the run."
+        : "Replay needs a recorded run on the robot.",
+    play: arms.length ? "" : "Play and the time slider work in Simulation and Replay.",
+  };
+  for (const name of ["simulation", "replay", "play"]) disableFor($(name), why[name]);
+  disableFor($("scrub"), why.play);
+  writeText("player-why", Object.values(why).filter(Boolean).join(" "));
   if (arms.length) $("scrub").max = lastS(arms);
   writeMode();
   const parts = [];

@@ -38,7 +38,8 @@ link.takes.positions = (positions) => {
         position: id,
         by: 1,
       });
-      [up.disabled, down.disabled] = [i === 0, i === last];
+      disableFor(up, i === 0 ? `${name} is already first` : "", up.title);
+      disableFor(down, i === last ? `${name} is already last` : "", down.title);
       const remove = positionButton("Remove", `Remove ${name}`, "remove_position", {
         position: id,
       });
@@ -53,6 +54,7 @@ link.takes.positions = (positions) => {
     }),
   );
   $("make").hidden = positions.length < 2;
+  $("positions-empty").hidden = positions.length >= 2;
   // A name typed by the user is kept.
   if ($("position-name").value === suggested) {
     suggested = freeName(positions);

@@ -47,13 +47,15 @@ const canReplay = () => Boolean(desk.run?.arms && desk.run.arms.length > 1);
 function clearanceTexts({ nearest, self_nearest: own }) {
   return [
     ...(nearest ? [`Smallest clearance on the path: ${nearestText(nearest)}.`] : []),
-    ...(own ? [`Smallest self-distance: ${nearestText(own)}.`] : []),
+    ...(own ? [`Smallest distance to self-collision: ${nearestText(own)}.`] : []),
   ];
 }
 
 function writePlan() {
   const { plan } = desk;
-  $("plan").hidden = !plan;
+  for (const id of ["plan", "plan-figures", "clear"]) $(id).hidden = !plan;
+  $("plan-empty").hidden = Boolean(plan);
+  writeSend();
   if (!plan) return;
   $("plan-figures").replaceChildren();
   figure($("plan-figures"), "program", plan.name);
@@ -61,7 +63,7 @@ function writePlan() {
   figure($("plan-figures"), "motions", String(plan.motions));
   $("plan-nearest").textContent = setup.scene
     ? clearanceTexts(plan).join(" ")
-    : "No scene (--scene): obstacles are unknown.";
+    : "Obstacles are not checked: the twin was started without a scene (--scene FILE).";
   $("plan-refused").hidden = plan.refused === null;
   $("plan-refused").textContent = plan.refused === null ? "" : `Cannot be sent: ${plan.refused}.`;
   $("plan-warnings").replaceChildren(
@@ -70,10 +72,20 @@ function writePlan() {
   writeRun();
 }
 
+/** Enables sending and unloading, or writes why neither is possible now. */
+function writeSend() {
+  const { plan } = desk;
+  const running = isRunning() ? "A program is running: wait for its end, or stop the robot." : "";
+  const missing = plan ? "" : "First load a program, or create one from saved positions.";
+  const refused = plan && plan.refused !== null ? `Cannot be sent: ${plan.refused}.` : "";
+  disableFor($("send"), running || missing || refused);
+  disableFor($("clear"), running);
+  writeText("send-why", running || missing);
+}
+
 function writeRun() {
   const { plan, run } = desk;
-  $("send").disabled = !plan || plan.refused !== null || isRunning();
-  $("clear").disabled = isRunning();
+  writeSend();
   const words = {
     to_start: "Moving to the start",
     running: "Program running",
@@ -85,7 +97,8 @@ function writeRun() {
   if (run && run.phase === "done" && run.cycle_time_s !== null && plan) {
     const off = plan.cycle_time_s - run.cycle_time_s;
     notes.push(
-      `Measured ${number(run.cycle_time_s, 3)} s, planned ${number(plan.cycle_time_s, 3)} s: error ${number(off, 3)} s, ${number((100 * off) / run.cycle_time_s, 2)} %.`,
+      `Measured ${number(run.cycle_time_s, 3)} s, planned ${number(plan.cycle_time_s, 3)} s: ` +
+        `error ${number(off, 3)} s, ${number((100 * off) / run.cycle_time_s, 2)} %.`,
     );
   }
   if (run?.sketch) {
@@ -124,7 +137,12 @@ function confirmed(title, lines, yes, start = null) {
   $("confirm-start").querySelector("span").textContent = start || "";
   $("move-to-start").checked = false;
   const allow = () => {
-    $("confirm-yes").disabled = start !== null && !$("move-to-start").checked;
+    const why =
+      start !== null && !$("move-to-start").checked
+        ? "Tick the move to the program's start first."
+        : "";
+    disableFor($("confirm-yes"), why);
+    writeText("confirm-why", why);
   };
   $("move-to-start").onchange = allow;
   allow();
@@ -138,10 +156,11 @@ function confirmed(title, lines, yes, start = null) {
 async function send() {
   const { plan } = desk;
   const lines = [
-    `${plan.name}: ${plan.motions} motion${plan.motions === 1 ? "" : "s"}, ${number(plan.cycle_time_s, 3)} s.`,
+    `${plan.name}: ${plan.motions} motion${plan.motions === 1 ? "" : "s"}, ` +
+      `${number(plan.cycle_time_s, 3)} s.`,
     ...(setup.scene
       ? clearanceTexts(plan)
-      : ["No scene: the program has not been checked for collisions."]),
+      : ["No scene: the program has not been checked for collisions with obstacles."]),
     ...plan.warnings.map((text) => `Warning: ${text}.`),
     "The robot will move. Keep everyone out of its reach, and the emergency stop at hand.",
   ];
@@ -150,7 +169,8 @@ async function send() {
   const far = off.indexOf(Math.max(...off));
   const away = off[far] > 1e-3;
   const start = away
-    ? `First move to the program's start, at 10 % of the speed: joint ${far + 1} has ${number(off[far] * DEG, 1)} degrees to go, the others less`
+    ? `First move to the program's start, at 10 % of the speed: joint ${far + 1} has ` +
+      `${number(off[far] * DEG, 1)} degrees to go, the others less`
     : null;
   if (await confirmed("Send the program to the robot?", lines, "Send it", start)) {
     await ask("program-said", "send", { plan: plan.id, move_to_start: away });
@@ -162,7 +182,8 @@ async function loadFile(file) {
   if (file.size > 4 * 2 ** 20) {
     await ask("program-said", "clear_program");
     $("program-said").textContent =
-      `${file.name} is longer than 4 MiB, the most that the twin accepts; iiwasim plan has no such limit. Nothing is loaded.`;
+      `${file.name} is longer than 4 MiB, the most that the twin accepts; iiwasim plan has no ` +
+      "such limit. Nothing is loaded.";
     return;
   }
   const isLoaded = await attempt("program-said", async () =>

@@ -111,10 +111,10 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     ));
     chapter.paragraph(
         "T_r is measured, from the arm's departure to its arrival, plus the model's time to settle \
-         at the end. T_s is calculated in two ways for the same path: under limits of velocity and \
-         acceleration, which is the thesis's method (\"acceleration\"), and under limits of jerk \
-         too, which is this project's (\"jerk\"). The error is T_s - T_r, in s and as a share of \
-         T_r (Eq. 40).",
+         at the end. T_s is calculated in two ways for the same path: with velocity and \
+         acceleration limits, which is the thesis's method (\"acceleration\"), and with jerk \
+         limits too, which is this project's method (\"jerk\"). The error is T_s - T_r, in s and \
+         as a share of T_r (Eq. 40).",
     );
     for (over, number, title, axis, thesis) in [
         (
@@ -129,8 +129,8 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
             "24",
             "Fig. 24: relative blend",
             "relative blend",
-            "The thesis: calculated times are too short without blends, since the robot's limits \
-             of jerk are left out, and close to the robot's as blends grow.",
+            "The thesis: calculated times are too short without blends, since the robot's jerk \
+             limits are left out, and close to the robot's as blends grow.",
         ),
         (
             Over::Thesis(Sweep::Length),
@@ -304,7 +304,7 @@ fn like_the_thesis(cases: &[&Case]) -> String {
     match grouped.iter().min_by(|a, b| off(&a.1).total_cmp(&off(&b.1))) {
         Some((length, cases)) if off(cases) < 5.0 => format!(
             "The thesis's {THESIS_PERCENT} % are closest to the error of motions of {length} deg \
-             here. If its lambda = 200 were in degrees, the missing limits of jerk alone would not \
+             here. If its lambda = 200 were in degrees, the missing jerk limits alone would not \
              explain them on this robot."
         ),
         _ => String::new(),

@@ -43,7 +43,7 @@ const JOINTS: [&str; 7] = ["A1", "A2", "A3", "A4", "A5", "A6", "A7"];
 
 pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
     let identified = identified(bench, runs)?;
-    let mut chapter = Chapter::new("Limits of the joints: Appendix A, Tables 4 and 5, Fig. 28");
+    let mut chapter = Chapter::new("Joint limits: Appendix A, Tables 4 and 5, Fig. 28");
     let poses = runs.len().saturating_sub(1);
     chapter.paragraph(format!(
         "From each of {poses} poses of Table 3, each joint moves alone to -20 deg, to +20 deg and \

@@ -74,7 +74,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
             "the planner keeps torques within {} % of the limits, which depends on the pose",
             share.scaled(100.0)
         ),
-        _ => "not decided: neither no effect, nor one factor, nor a limit of torque explains the \
+        _ => "not decided: neither no effect, nor one factor, nor a torque limit explains the \
             accelerations"
             .to_owned(),
     };
@@ -82,7 +82,7 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     let [none, factor, torque] = effect.left_over.map(|rms| format!("{:.2} %", 100.0 * rms));
     chapter.paragraph(format!(
         "Root mean square of what is left of the ratios: {none} if the load has no effect, \
-         {factor} with the factor that fits best, {torque} with the limit of torque that fits best."
+         {factor} with the factor that fits best, {torque} with the torque limit that fits best."
     ));
     chapter.paragraph(left_out(runs, &identified.left_out));
     Ok(chapter)

@@ -68,7 +68,7 @@ pub fn preface(
     } else if kinds.contains(&ExperimentKind::Load) {
         "An experiment with a load"
     } else {
-        "An experiment with paths of the TCP"
+        "An experiment with TCP paths"
     };
     let mut text = format!("# {title}\n\n");
     let _ = writeln!(text, "Made by\n\n```sh\n{command}\n```");
@@ -84,11 +84,10 @@ pub fn preface(
             };
             paragraph(&format!(
                 "**Everything measured here was measured on a virtual robot, not on a real one.** \
-                 It is a simulation in the same process, which plans under limits of velocity, \
-                 acceleration and jerk and is sampled with noise of {:e} rad. It is {robot}. \
-                 Agreement with the model shows that the methods work. It does not show that a \
-                 real robot behaves like the model: for that, the same programs have to be run on \
-                 one.",
+                 It is a simulation in the same process, which plans with velocity, acceleration \
+                 and jerk limits and is sampled with noise of {:e} rad. It is {robot}. Agreement \
+                 with the model shows that the methods work. It does not show that a real robot \
+                 behaves like the model: for that, the same programs have to be run on one.",
                 arm.noise_rad
             ));
         }
@@ -105,7 +104,7 @@ pub fn preface(
          figures, calculated values are blue and measured ones red.",
     );
     if has_thesis && !thesis_only {
-        paragraph("The chapter on blends of paths of the TCP is not in the thesis.");
+        paragraph("The chapter on blends of TCP paths is not in the thesis.");
     }
     text
 }

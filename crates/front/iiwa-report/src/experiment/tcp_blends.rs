@@ -21,17 +21,17 @@ use super::{
 };
 
 pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
-    let mut chapter = Chapter::new("Blends of paths of the TCP: not in the thesis");
+    let mut chapter = Chapter::new("Blends of TCP paths: not in the thesis");
     let Some(run) = runs.first() else { return Ok(chapter) };
     let identified = identified(bench, runs)?;
     chapter.paragraph(format!(
         "The thesis measured blends between motions that are straight in joint space, and names \
-         motions of the TCP as future work. How the robot's controller blends them, and how \
-         orientation and E1 go along them, is assumed; docs/cartesian.md lists it. This program \
-         shows it, {}: with the flange downwards, the TCP turns corners at one point in a \
-         horizontal plane, at angles from 0 to 170 deg, with blends of 40 mm between LINs of 120 \
-         and 90 mm; with blends that are longer than half of the shorter LIN; with orientation and \
-         E1 that change; between LIN and CIRC; and between PTP and LIN.",
+         TCP motions as future work. The blend shape of the robot's controller, and the course of \
+         orientation and E1 along the path, are assumed; docs/cartesian.md lists the assumptions. \
+         This program shows them, {}: with the flange downwards, the TCP turns corners at one \
+         point in a horizontal plane, at angles from 0 to 170 deg, with blends of 40 mm between \
+         LINs of 120 and 90 mm; with blends that are longer than half of the shorter LIN; with \
+         orientation and E1 that change; between LIN and CIRC; and between PTP and LIN.",
         bench.on
     ));
     let plots = corners(bench, run, &identified)?;
@@ -191,8 +191,8 @@ fn laws(chapter: &mut Chapter, courses: &[CourseObservation]) {
     }
     chapter.table(&["part", "number", "TCP mm", "orientation deg", "E1 deg"], &rows);
     chapter.paragraph(
-        "The largest distances from what is assumed, with kappa as found: each sample is held \
-         against the place of the assumed path that is nearest to its TCP, whenever the arm is \
-         there. Noise is in them.",
+        "Largest deviations from the assumed paths, with the identified kappa: each sample is \
+         compared with the point of the assumed path that is nearest to its TCP, regardless of \
+         time. They include noise.",
     );
 }

@@ -47,8 +47,8 @@ impl RampFigures {
         let _ = writeln!(
             text,
             "Ramps begin with constant snap, as under Sunrise: {motions} motions, \
-             {residual_deg:.1e} deg left over, {jerk_residual_deg:.1e} deg by constant jerk, noise \
-             {noise_deg:.1e} deg"
+             residual {residual_deg:.1e} deg, with constant jerk {jerk_residual_deg:.1e} deg, \
+             noise {noise_deg:.1e} deg"
         );
         for (name, figures, model) in [
             ("S, Nm/s^2", &self.torque_snap_nm_s2, &model.torque_snap_nm_s2),
@@ -66,8 +66,8 @@ impl RampFigures {
             let _ = writeln!(text, "  {name}: {shown}");
         }
         text.push_str(
-            "  S and R of other joints, B, c and the width of a phase do not show: they are the \
-             model's\n",
+            "  S and R of other joints, B, c and the width of a phase cannot be identified: they \
+             keep the values of the model\n",
         );
     }
 }
@@ -81,13 +81,13 @@ pub(super) fn unexplained(identified: &Identified) -> Option<String> {
         LineLaw::Snap => "constant snap",
     };
     Some(format!(
-        "{} of {} motions are not explained: {:.1e} deg are left over of motion {} by {law}, and \
-         the noise is {:.1e} deg; their figures are less certain than stated. Did the robot run at \
-         the stated override, and the program at full length?",
+        "{} of {} motions are not explained: motion {} has a residual of {:.1e} deg with {law}, \
+         and the noise is {:.1e} deg; their figures are less certain than stated. Did the robot \
+         run the whole program, at the stated override?",
         all.count(),
         identified.lines.len(),
-        worst.residual_rad.to_degrees(),
         worst.motion,
+        worst.residual_rad.to_degrees(),
         worst.noise_rad.to_degrees(),
     ))
 }

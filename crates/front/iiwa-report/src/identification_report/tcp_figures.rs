@@ -111,12 +111,12 @@ impl TcpFigures {
     /// Writes lines about TCP paths.
     pub(super) fn write(&self, text: &mut String) {
         match &self.kappa {
-            Some(kappa) => kappa.write(text, "kappa of blends of the TCP"),
+            Some(kappa) => kappa.write(text, "kappa of TCP blends"),
             None => {
                 let _ = writeln!(
                     text,
-                    "kappa of blends of the TCP: not found; it needs blends between LINs at \
-                     different angles ({} found)",
+                    "kappa of TCP blends: not found; it needs blends between LINs at different \
+                     angles ({} found)",
                     self.blends.len()
                 );
             }

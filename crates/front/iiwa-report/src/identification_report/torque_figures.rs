@@ -23,7 +23,7 @@ pub(super) struct TorqueResults {
     /// Residual torque of each joint, root mean square over windows of `window_s`.
     residual_nm: [f64; 7],
     window_s: f64,
-    /// `true` if the recordings have the sign of plans, not that of KUKA's controller.
+    /// `true` if the sign of the recorded torques is not that of their format, and was inverted.
     turned: bool,
 }
 
@@ -85,9 +85,9 @@ impl TorqueResults {
 
     pub(super) fn write(&self, text: &mut String) {
         let shown = |figure: &Option<Figure>| {
-            figure.map_or_else(|| "not told".to_owned(), |figure| figure.to_string())
+            figure.map_or_else(|| "not found".to_owned(), |figure| figure.to_string())
         };
-        let mut rows = table(&["joint", "viscous Nm s/rad", "Coulomb Nm", "left over Nm"]);
+        let mut rows = table(&["joint", "viscous Nm s/rad", "Coulomb Nm", "residual Nm"]);
         for joint in 0..7 {
             let friction = [&self.viscous_nm_s_rad[joint], &self.coulomb_nm[joint]];
             let [viscous, coulomb] = friction.map(shown);
@@ -112,15 +112,15 @@ impl TorqueResults {
             } else if load.mass_kg.is_none_or(|mass| !mass.is_zero_within(0.0)) {
                 let _ = writeln!(
                     text,
-                    "      not told: {}; it takes motions that turn A2, A4 and A6, and the flange \
-                     away from straight down",
+                    "      not found: {}; this needs motions that turn A2, A4 and A6, and the \
+                     flange away from straight down",
                     load.untold.join(", ")
                 );
             }
         }
         if self.turned {
             text.push_str(
-                "The torques have the sign of plans already, not that of KUKA's controller\n",
+                "Torques inverted: by the arm's weight, their sign is not that of their format\n",
             );
         }
     }

@@ -1,13 +1,12 @@
 //! Picture of a recording and a plan: both flange paths, and the deviations.
 
 use iiwa_eval::{Comparison, PlannedTrajectory, TracePoint};
-use plotters::prelude::{
-    ChartBuilder, Color, LineSeries, PathElement, Rectangle, SeriesLabelPosition, WHITE,
-};
+use plotters::prelude::{ChartBuilder, Color, LineSeries, Rectangle, WHITE};
 
 use super::{
-    Area, DASH, DrawResult, FINE, HEIGHT, INK, MEASURED, PLANNED, SHADE, Space, WIDTH, font,
-    legend, svg,
+    Area, DrawResult, FINE, HEIGHT, INK, MEASURED, PLANNED, SHADE, Space, WIDTH, font,
+    key::{LegendSign, title_and_legend},
+    svg,
 };
 use crate::ReportError;
 
@@ -54,20 +53,19 @@ fn draw_paths(
     (across, up): (usize, usize),
     (planned, measured): (&[[f64; 3]], &[[f64; 3]]),
 ) -> DrawResult {
-    let mut chart = space.chart(area, "Path of the flange", (across, up))?;
     // Where both paths coincide, blue is visible on both sides of red.
     let paths = [
         ("planned", planned, PLANNED.stroke_width(5 * FINE)),
         ("measured", measured, MEASURED.stroke_width(3 * FINE / 2)),
     ];
-    for (name, path, style) in paths {
+    let entries = paths.map(|(name, _, style)| (LegendSign::Line, style, name.to_owned()));
+    let area = title_and_legend(area, "Path of the flange", &entries)?;
+    let mut chart = space.chart(&area, (across, up))?;
+    for (_, path, style) in paths {
         let points = path.iter().map(|mm| (mm[across], mm[up]));
-        chart
-            .draw_series(LineSeries::new(points, style))?
-            .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + DASH, y)], style));
+        chart.draw_series(LineSeries::new(points, style))?;
     }
-    legend(&mut chart, SeriesLabelPosition::UpperRight)
+    Ok(())
 }
 
 /// Smallest deviation that is distinguished from zero, in mm or mrad.

@@ -4,13 +4,13 @@ use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_program::{PlacedFrame, Program};
 use iiwa_traj::{PieceKind, Section};
 use plotters::prelude::{
-    ChartBuilder, Circle, Color, IntoFont, LineSeries, PathElement, Rectangle, SeriesLabelPosition,
-    Text, WHITE,
+    ChartBuilder, Circle, Color, IntoFont, LineSeries, PathElement, Rectangle, Text, WHITE,
 };
 
 use super::{
-    AXES, Area, COLOURS, Chart, DASH, DrawResult, FINE, HEIGHT, INK, SHADE, Space, WIDTH, font,
-    legend, shade, svg,
+    AXES, Area, COLOURS, Chart, DrawResult, FINE, HEIGHT, INK, SHADE, Space, WIDTH, font,
+    key::{LegendEntry, LegendSign, title_and_legend},
+    shade, svg,
 };
 use crate::ReportError;
 
@@ -147,7 +147,17 @@ impl PlanPicture {
         let subject = if self.has_tools { "TCP" } else { "flange" };
         let caption =
             format!("Path of the {subject}, coloured by the fastest joint's share of its limit");
-        let mut chart = space.chart(area, &caption, (across, up))?;
+        let mut entries: Vec<LegendEntry> = (0..=4_u8)
+            .map(|step| f64::from(step) / 4.0)
+            .map(|share| (share, shade(share).stroke_width(4 * FINE)))
+            .map(|(share, style)| (LegendSign::Line, style, format!("{:.0} %", 100.0 * share)))
+            .collect();
+        if !self.blends.is_empty() {
+            let text = "start and end of blends".to_owned();
+            entries.push((LegendSign::Circle, INK.stroke_width(FINE), text));
+        }
+        let area = title_and_legend(area, &caption, &entries)?;
+        let mut chart = space.chart(&area, (across, up))?;
         let point = |mm: [f64; 3]| (mm[across], mm[up]);
         for blend in &self.blends {
             for end in blend.ends_mm {
@@ -166,27 +176,7 @@ impl PlanPicture {
             chart.draw_series([PathElement::new(line, colour.stroke_width(3 * FINE))])?;
             from = next;
         }
-        self.draw_frames(&mut chart, (across, up))?;
-        for share in 0..=4 {
-            let share = f64::from(share) / 4.0;
-            chart
-                .draw_series(LineSeries::new([], shade(share).stroke_width(4 * FINE)))?
-                .label(format!("{:.0} %", 100.0 * share))
-                .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + DASH, y)], shade(share).stroke_width(4 * FINE))
-                });
-        }
-        if !self.blends.is_empty() {
-            chart
-                .draw_series([Circle::new(
-                    point(self.blends[0].ends_mm[0]),
-                    DOT,
-                    INK.stroke_width(FINE),
-                )])?
-                .label("start and end of blends")
-                .legend(|(x, y)| Circle::new((x + DASH / 2, y), DOT, INK.stroke_width(FINE)));
-        }
-        legend(&mut chart, SeriesLabelPosition::UpperRight)
+        self.draw_frames(&mut chart, (across, up))
     }
 
     /// Draws the frame axes, x red, y green, z blue, and the frame names.
@@ -243,8 +233,14 @@ impl PlanPicture {
     /// Draws the joint speeds; blends are shaded.
     fn draw_speeds(&self, area: &Area<'_>) -> DrawResult {
         let end = self.samples.last().map_or(1.0, |sample| sample.t_s).max(1e-3);
-        let mut chart = ChartBuilder::on(area)
-            .caption("Joint speeds in % of their limits, blends shaded", font())
+        let moves = |joint: &usize| self.samples.iter().any(|sample| sample.speed[*joint] != 0.0);
+        let moving: Vec<usize> = (0..COLOURS.len()).filter(moves).collect();
+        let style = |joint: usize| COLOURS[joint].stroke_width(2 * FINE);
+        let entry = |&joint: &usize| (LegendSign::Line, style(joint), format!("A{}", joint + 1));
+        let entries: Vec<LegendEntry> = moving.iter().map(entry).collect();
+        let title = "Joint speeds in % of their limits, blends shaded";
+        let area = title_and_legend(area, title, &entries)?;
+        let mut chart = ChartBuilder::on(&area)
             .margin(14 * FINE)
             .x_label_area_size(44 * FINE)
             .y_label_area_size(62 * FINE)
@@ -262,19 +258,11 @@ impl PlanPicture {
             .x_desc("time in s")
             .y_desc("speed in %")
             .draw()?;
-        for (joint, colour) in COLOURS.iter().enumerate() {
-            if self.samples.iter().all(|sample| sample.speed[joint] == 0.0) {
-                continue;
-            }
+        for joint in moving {
             let points = self.samples.iter().map(|s| (s.t_s, 100.0 * s.speed[joint]));
-            chart
-                .draw_series(LineSeries::new(points, colour.stroke_width(2 * FINE)))?
-                .label(format!("A{}", joint + 1))
-                .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + DASH, y)], colour.stroke_width(2 * FINE))
-                });
+            chart.draw_series(LineSeries::new(points, style(joint)))?;
         }
-        legend(&mut chart, SeriesLabelPosition::UpperRight)
+        Ok(())
     }
 }
 

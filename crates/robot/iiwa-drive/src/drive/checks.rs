@@ -125,6 +125,14 @@ fn check_motions(
     robot: &Robot,
     at_rad: &Joints,
 ) -> Result<(), Refusal> {
+    // Robot programs run motions, waits and payload changes; signals have other instructions.
+    if let Some(index) = list.motions.iter().position(|motion| motion.io().is_some()) {
+        let (number, kind) = (index + 1, list.motions[index].motion_type().name());
+        return Err(Refusal::bad(format!(
+            "motion {number} is `{kind}`, which does not run within a request; send the motions \
+             before and after it as two requests, and `set_io` or `get_io` between them"
+        )));
+    }
     let count: usize = list.motions.iter().map(segments).sum();
     if count > MAX_MOTIONS {
         let motions = list.motions.len();
@@ -165,6 +173,6 @@ fn segments(motion: &Motion) -> usize {
             Course::Spline(segments) => segments.len(),
             _ => 1,
         },
-        Motion::Ptp(_) | Motion::Wait { .. } | Motion::Load(_) => 1,
+        Motion::Ptp(_) | Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => 1,
     }
 }

@@ -8,28 +8,29 @@
 //! | velocity | 1.02 of the limits |
 //! | acceleration | 1.3 of the limits |
 //! | position | the joint range |
-//! | distance to the position commanded by the controller | joint displacement at full speed in 30 ms and three answers |
+//! | distance to the position commanded by the controller | joint displacement at full speed in 30 ms plus three answer periods |
 //!
 //! **Definition of velocity and acceleration.** The answer to a message with controller time `t`
 //! contains a position. The velocity is the difference of two answers over the time between their
 //! messages; the acceleration is the difference of two such velocities over the mean of their
-//! times. Both are divided differences: the differences of any subset of the answers are means of
-//! the differences of all answers, so lost answers do not increase them. A receive multiplier only
-//! lengthens the steps.
+//! times. Divided differences of a subset of the answers are weighted averages of those of all
+//! answers, so that lost answers do not increase them. A receive multiplier only lengthens the
+//! steps.
 //!
-//! **Normal operation.** The stage before the governor follows a motion in time
-//! ([`Playback`](iiwa_traj::playback::Playback)): time advances with the controller clock, by no
-//! more than the sequence counter permits, and slows down to zero for a stop. So the robot stays on
-//! its path even if messages are lost, and the governor passes set-points within the bounds
-//! unchanged, bit by bit. This includes gaps: the controller extrapolates the motion, and the
-//! trajectory continues at the position for the current time.
+//! **Normal operation.** The stage before the governor
+//! ([`Playback`](iiwa_traj::playback::Playback)) samples a motion. Its time advances with the time
+//! stamps of the controller, but by no more than the sequence counter indicates. For a stop, the
+//! rate of this time decreases to zero. So the robot stays on its path even if messages are lost,
+//! and the governor passes set-points within the bounds unchanged, bit for bit. The same holds
+//! after a gap in the messages if the controller has extrapolated the motion: the trajectory
+//! continues at the position for the current time.
 //!
-//! **Intervention.** A set-point beyond the bounds is clamped to them, joint by joint. The next
-//! set-points make up for a correction of up to 0.001 rad (trajectories with rounded numbers have
-//! such peaks). A larger correction aborts the run, and the robot brakes. Without a set-point, each
-//! joint brakes at 1.2 of its acceleration limit and then holds its position. A trajectory within
-//! the joint range decelerates at no more than its limit, so this braking also stays within the
-//! range.
+//! **Intervention.** A set-point beyond the bounds is clamped to them, joint by joint. A correction
+//! of up to 0.001 rad is tolerated, and the next set-points make up for it: trajectories with
+//! rounded numbers exceed the bounds briefly. A larger correction aborts the run, and the robot
+//! brakes. Without a set-point, each joint brakes at 1.2 of its acceleration limit and then holds
+//! its position. A trajectory within the joint range can stop within the range at 1.0 of the limit;
+//! braking at 1.2 stops sooner, and therefore also within the range.
 //!
 //! **Deviation from the controller.** Each message contains the joint position that the controller
 //! commands, called controller position here. If messages or answers are lost, a controller may
@@ -54,9 +55,9 @@ const RANGE_BRAKING: f64 = 1.15;
 /// Maximum correction of a set-point that does not abort the run, in rad.
 const MAX_CORRECTION_RAD: f64 = 1e-3;
 
-/// Maximum distance of a set-point from the controller position, as the time that a joint needs at
-/// full speed, in s, in addition to three answers: the answer with the set-point, and two that may
-/// be in transit.
+/// Maximum distance of a set-point from the controller position, as the time in s in which a joint
+/// at full speed covers it. Three answer periods are added: for the answer with the set-point, and
+/// for two that may be in transit.
 const MAX_DISTANCE_S: f64 = 0.03;
 
 /// The governor of a commanding session.
@@ -156,7 +157,7 @@ impl Governor {
         let last = self.last.as_mut()?;
         // A non-finite set-point counts as missing, so that the joints brake.
         let requested = requested.filter(|requested| requested.iter().all(|q| q.is_finite()));
-        // Never zero, because velocities are divided by it: messages may have equal time stamps.
+        // Never zero, because displacements are divided by it: messages may have equal time stamps.
         let step_s = if last.since_s > 0.0 { last.since_s } else { last.step_s };
         let span_s = 0.5 * (step_s + last.step_s);
         let mut moved: Option<(usize, f64)> = None;

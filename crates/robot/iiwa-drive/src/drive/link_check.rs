@@ -296,7 +296,7 @@ fn receive_state(cabinet: &Remote, address: &str) -> Option<StateChange> {
 fn program(state: &StateChange, robot: &RobotIdentity) -> Result<String, LinkFault> {
     let simulated = if state.simulated { ", of a simulated robot" } else { "" };
     let Some(hello) = &state.hello else {
-        return Ok(format!("it answers{simulated}; it does not tell its version"));
+        return Ok(format!("it answers{simulated}, but does not report its version"));
     };
     check_protocol(hello).map_err(|refusal| LinkFault::new(refusal.message, &[]))?;
     let sunrise = hello.sunrise.as_ref().map(|version| format!(", Sunrise {}", shortened(version)));
@@ -373,7 +373,8 @@ fn check_priority<F: FnMut(&CheckStep)>(
         _ if real_time => steps.ok(PRIORITY, "permitted"),
         Some(period_ms) if period_ms <= URGENT_MS => {
             let text = format!(
-                "not permitted, and FRI sends every {period_ms} ms: {remedy}; or a send period of 5 ms"
+                "not permitted, and FRI sends every {period_ms} ms: {remedy}; or a send period of \
+                 5 ms"
             );
             steps.fails(PRIORITY, LinkFault::new(text, &[]));
         }

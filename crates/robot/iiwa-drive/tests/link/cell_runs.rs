@@ -38,8 +38,10 @@ fn request(mode: Option<&str>) -> Value {
         "motions": [
             {"type": "ptp", "frame": "pick", "velocity_rel": 0.5, "blend": near},
             {"type": "lin_rel", "offset": {"z_mm": -60}, "cart_velocity_mm_s": 250, "blend": near},
-            {"type": "circ", "aux": "via", "frame": "place", "cart_velocity_mm_s": 300, "blend": near},
-            {"type": "lin", "frame": "pick", "tool": "gripper/finger", "cart_velocity_mm_s": 250, "blend": near},
+            {"type": "circ", "aux": "via", "frame": "place", "cart_velocity_mm_s": 300,
+             "blend": near},
+            {"type": "lin", "frame": "pick", "tool": "gripper/finger", "cart_velocity_mm_s": 250,
+             "blend": near},
             {"type": "spline", "cart_velocity_mm_s": 250, "blend": near, "segments": [
                 {"type": "spl", "frame": "via"}, {"type": "lin", "frame": "place"}]},
             {"type": "ptp", "joints_deg": START_DEG, "velocity_rel": 0.5},
@@ -186,7 +188,7 @@ fn impossible_programs_are_refused() {
             "/bases/table",
             json!({"base": "table"}),
             "bad_request",
-            "the base `table` is given in itself",
+            "the base `table` refers to itself",
         ),
         ("/frames/pick/base", json!("shelf"), "bad_request", "motion 1: unknown base `shelf`"),
         ("/frames/pick", json!({"x_mm": 1}), "bad_request", "`pick`: `y_mm` is missing"),

@@ -3,21 +3,32 @@
 /// Returns the fault, the words of which the message contains at least one, and the keys of the
 /// list of motions.
 pub(crate) fn invalid_motions() -> Vec<(&'static str, &'static [&'static str], String)> {
-    let frame = r#"{"x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0}"#;
-    let ptp = r#"{"type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0]}"#;
     MOTIONS
         .iter()
         .map(|(fault, words, motions)| (*fault, *words, format!("\"motions\": [{motions}]")))
         .chain(LISTS.iter().map(|(fault, words, keys)| (*fault, *words, (*keys).to_owned())))
         .map(|(fault, words, keys)| {
-            (fault, words, keys.replace("@frame", frame).replace("@ptp", ptp))
+            let fill = |keys: String, &(name, text): &(&str, &str)| keys.replace(name, text);
+            (fault, words, PLACEHOLDERS.iter().fold(keys, fill))
         })
         .collect()
 }
 
 type Invalid = (&'static str, &'static [&'static str], &'static str);
 
-/// Invalid motions. `@frame` is a frame within reach, `@ptp` a joint motion.
+/// Texts for the placeholders of the motions, inserted in this order.
+const PLACEHOLDERS: &[(&str, &str)] = &[
+    ("@ptp", r#"{"type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0]}"#),
+    ("@zero", r#""type": "ptp", "joints_rad": [0, 0, 0, 0, 0, 0, 0]"#),
+    ("@circ", r#""type": "circ", "aux": {@aux}, "frame": {@end}"#),
+    ("@aux", r#""x_mm": 550, "y_mm": 50, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0"#),
+    ("@end", r#""x_mm": 600, "y_mm": 0, "z_mm": 350, "a_deg": 0, "b_deg": 180, "c_deg": 0"#),
+    // A frame within reach.
+    ("@frame", "{@pose}"),
+    ("@pose", r#""x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0"#),
+];
+
+/// Invalid motions, with placeholders.
 const MOTIONS: &[Invalid] = &[
     ("no motions", &["motion"], ""),
     ("an unknown type", &["fly", "motion 1"], r#"{"type": "fly"}"#),
@@ -45,7 +56,7 @@ const MOTIONS: &[Invalid] = &[
     (
         "joints twice",
         &["joints_rad", "motion 1"],
-        r#"{"type": "ptp", "joints_rad": [0, 0, 0, 0, 0, 0, 0], "joints_deg": [0, 0, 0, 0, 0, 0, 0]}"#,
+        r#"{@zero, "joints_deg": [0, 0, 0, 0, 0, 0, 0]}"#,
     ),
     (
         "joints and a frame",
@@ -123,12 +134,12 @@ const MOTIONS: &[Invalid] = &[
     (
         "six velocities",
         &["velocity_rel", "motion 1"],
-        r#"{"type": "ptp", "joints_rad": [0, 0, 0, 0, 0, 0, 0], "velocity_rel": [1, 1, 1, 1, 1, 1]}"#,
+        r#"{@zero, "velocity_rel": [1, 1, 1, 1, 1, 1]}"#,
     ),
     (
         "one of seven accelerations is zero",
         &["acceleration_rel"],
-        r#"{"type": "ptp", "joints_rad": [0, 0, 0, 0, 0, 0, 0], "acceleration_rel": [1, 1, 1, 0, 1, 1, 1]}"#,
+        r#"{@zero, "acceleration_rel": [1, 1, 1, 0, 1, 1, 1]}"#,
     ),
     (
         "a jerk above one",
@@ -148,7 +159,7 @@ const MOTIONS: &[Invalid] = &[
     (
         "a blend of two sizes",
         &["blend", "fraction", "motion 1"],
-        r#"{"type": "ptp", "joints_rad": [0, 0, 0, 0, 0, 0, 0], "blend": {"fraction": 0.1, "cart_mm": 5}}"#,
+        r#"{@zero, "blend": {"fraction": 0.1, "cart_mm": 5}}"#,
     ),
     (
         "a blend of no size",
@@ -188,12 +199,12 @@ const MOTIONS: &[Invalid] = &[
     (
         "a blend before a wait",
         &["wait", "blend"],
-        r#"{"type": "ptp", "joints_rad": [0, 0, 0, 0, 0, 0, 0], "blend": {"fraction": 0.5}}, {"type": "wait", "seconds": 1}"#,
+        r#"{@zero, "blend": {"fraction": 0.5}}, {"type": "wait", "seconds": 1}"#,
     ),
     (
         "a blend before a change of the load",
         &["load", "blend"],
-        r#"{"type": "ptp", "joints_rad": [0, 0, 0, 0, 0, 0, 0], "blend": {"fraction": 0.5}}, {"type": "load", "load": null}"#,
+        r#"{@zero, "blend": {"fraction": 0.5}}, {"type": "load", "load": null}"#,
     ),
     (
         "a load with a target",
@@ -276,33 +287,21 @@ const MOTIONS: &[Invalid] = &[
     (
         "an angle twice",
         &["a_deg", "a_rad", "motion 1"],
-        r#"{"type": "lin", "frame": {"x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "a_rad": 0, "b_deg": 180, "c_deg": 0}}"#,
+        r#"{"type": "lin", "frame": {@pose, "a_rad": 0}}"#,
     ),
     (
         "E1 twice",
         &["e1_deg", "e1_rad", "motion 1"],
-        r#"{"type": "lin", "frame": {"x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": 0, "e1_rad": 0}}"#,
+        r#"{"type": "lin", "frame": {@pose, "e1_deg": 0, "e1_rad": 0}}"#,
     ),
-    (
-        "a status of 8",
-        &["status", "motion 1"],
-        r#"{"type": "lin", "frame": {"x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0, "status": 8}}"#,
-    ),
+    ("a status of 8", &["status", "motion 1"], r#"{"type": "lin", "frame": {@pose, "status": 8}}"#),
     (
         "a status of 2.5",
         &["status", "motion 1"],
-        r#"{"type": "lin", "frame": {"x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0, "status": 2.5}}"#,
+        r#"{"type": "lin", "frame": {@pose, "status": 2.5}}"#,
     ),
-    (
-        "a turn of 128",
-        &["turn", "motion 1"],
-        r#"{"type": "lin", "frame": {"x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0, "turn": 128}}"#,
-    ),
-    (
-        "a turn of -1",
-        &["turn", "motion 1"],
-        r#"{"type": "lin", "frame": {"x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0, "turn": -1}}"#,
-    ),
+    ("a turn of 128", &["turn", "motion 1"], r#"{"type": "lin", "frame": {@pose, "turn": 128}}"#),
+    ("a turn of -1", &["turn", "motion 1"], r#"{"type": "lin", "frame": {@pose, "turn": -1}}"#),
     ("lin_rel without an offset", &["offset", "motion 1"], r#"{"type": "lin_rel"}"#),
     (
         "lin_rel with a frame",
@@ -358,12 +357,14 @@ const MOTIONS: &[Invalid] = &[
     (
         "a spline with ori_joint",
         &["ori_joint", "orientation"],
-        r#"{"type": "spline", "segments": [{"type": "spl", "frame": @frame}], "orientation": "ori_joint"}"#,
+        r#"{"type": "spline", "segments": [
+            {"type": "spl", "frame": @frame}], "orientation": "ori_joint"}"#,
     ),
     (
         "a segment with ori_joint",
         &["ori_joint", "orientation"],
-        r#"{"type": "spline", "segments": [{"type": "spl", "frame": @frame, "orientation": "ori_joint"}]}"#,
+        r#"{"type": "spline", "segments": [
+            {"type": "spl", "frame": @frame, "orientation": "ori_joint"}]}"#,
     ),
     (
         "a segment of an unknown type",
@@ -378,7 +379,8 @@ const MOTIONS: &[Invalid] = &[
     (
         "a segment with a blend",
         &["blend", "segment"],
-        r#"{"type": "spline", "segments": [{"type": "spl", "frame": @frame, "blend": {"cart_mm": 5}}]}"#,
+        r#"{"type": "spline", "segments": [
+            {"type": "spl", "frame": @frame, "blend": {"cart_mm": 5}}]}"#,
     ),
     (
         "a segment with a tool",
@@ -393,12 +395,14 @@ const MOTIONS: &[Invalid] = &[
     (
         "a line with an angle",
         &["circ_angle_deg", "segment"],
-        r#"{"type": "spline", "segments": [{"type": "lin", "frame": @frame, "circ_angle_deg": 90}]}"#,
+        r#"{"type": "spline", "segments": [
+            {"type": "lin", "frame": @frame, "circ_angle_deg": 90}]}"#,
     ),
     (
         "a segment's reference that is for circles",
         &["orientation_reference", "segment"],
-        r#"{"type": "spline", "segments": [{"type": "spl", "frame": @frame, "orientation_reference": "path"}]}"#,
+        r#"{"type": "spline", "segments": [
+            {"type": "spl", "frame": @frame, "orientation_reference": "path"}]}"#,
     ),
     (
         "a circle without an aux frame",
@@ -408,12 +412,14 @@ const MOTIONS: &[Invalid] = &[
     (
         "a segment's velocity above one",
         &["velocity_rel", "segment"],
-        r#"{"type": "spline", "segments": [{"type": "spl", "frame": @frame, "velocity_rel": 1.5}]}"#,
+        r#"{"type": "spline", "segments": [
+            {"type": "spl", "frame": @frame, "velocity_rel": 1.5}]}"#,
     ),
     (
         "a segment's speed of zero",
         &["cart_velocity_mm_s", "segment"],
-        r#"{"type": "spline", "segments": [{"type": "spl", "frame": @frame, "cart_velocity_mm_s": 0}]}"#,
+        r#"{"type": "spline", "segments": [
+            {"type": "spl", "frame": @frame, "cart_velocity_mm_s": 0}]}"#,
     ),
     (
         "a tool that is not there",
@@ -440,7 +446,7 @@ const MOTIONS: &[Invalid] = &[
     (
         "a frame in a base that is not there",
         &["no base", "`shelf`"],
-        r#"{"type": "ptp", "frame": {"base": "shelf", "x_mm": 600, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0}}"#,
+        r#"{"type": "ptp", "frame": {"base": "shelf", @pose}}"#,
     ),
     (
         "an offset in a frame that is not there",
@@ -457,15 +463,11 @@ const MOTIONS: &[Invalid] = &[
         &["no frame", "`via`"],
         r#"@ptp, {"type": "spline", "segments": [{"type": "spl", "frame": "via"}]}"#,
     ),
-    (
-        "an angle of a circle of zero",
-        &["circ_angle_deg"],
-        r#"@ptp, {"type": "circ", "aux": {"x_mm": 550, "y_mm": 50, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0}, "frame": {"x_mm": 600, "y_mm": 0, "z_mm": 350, "a_deg": 0, "b_deg": 180, "c_deg": 0}, "circ_angle_deg": 0}"#,
-    ),
+    ("an angle of a circle of zero", &["circ_angle_deg"], r#"@ptp, {@circ, "circ_angle_deg": 0}"#),
     (
         "an angle of a circle of two turns",
         &["circ_angle_deg"],
-        r#"@ptp, {"type": "circ", "aux": {"x_mm": 550, "y_mm": 50, "z_mm": 400, "a_deg": 0, "b_deg": 180, "c_deg": 0}, "frame": {"x_mm": 600, "y_mm": 0, "z_mm": 350, "a_deg": 0, "b_deg": 180, "c_deg": 0}, "circ_angle_deg": 720}"#,
+        r#"@ptp, {@circ, "circ_angle_deg": 720}"#,
     ),
 ];
 
@@ -499,7 +501,8 @@ const LISTS: &[Invalid] = &[
     (
         "bases in each other",
         &["base", "table", "tray"],
-        r#""bases": {"table": {"base": "tray"}, "tray": {"base": "table"}}, "base": "table", "motions": [@ptp]"#,
+        r#""bases": {"table": {"base": "tray"}, "tray": {"base": "table"}},
+            "base": "table", "motions": [@ptp]"#,
     ),
     ("a tool without a TCP", &["tcp", "column"], r#""tools": {"hand": {}}, "motions": [@ptp]"#),
     ("a tool called flange", &["flange"], r#""tools": {"flange": {"tcp": {}}}, "motions": [@ptp]"#),
@@ -525,7 +528,8 @@ const LISTS: &[Invalid] = &[
     (
         "a frame without an angle",
         &["a_deg", "column"],
-        r#""frames": {"pick": {"x_mm": 0, "y_mm": 0, "z_mm": 0, "b_deg": 0, "c_deg": 0}}, "motions": [@ptp]"#,
+        r#""frames": {"pick": {"x_mm": 0, "y_mm": 0, "z_mm": 0, "b_deg": 0, "c_deg": 0}},
+            "motions": [@ptp]"#,
     ),
     (
         "an angle of a base twice",
@@ -550,7 +554,8 @@ const LISTS: &[Invalid] = &[
     (
         "two of the centre's numbers",
         &["center_mm", "column"],
-        r#""tools": {"hand": {"tcp": {}, "load": {"mass_kg": 1, "center_mm": [0, 0]}}}, "motions": [@ptp]"#,
+        r#""tools": {"hand": {"tcp": {}, "load": {"mass_kg": 1, "center_mm": [0, 0]}}},
+            "motions": [@ptp]"#,
     ),
     (
         "two tools of one name",

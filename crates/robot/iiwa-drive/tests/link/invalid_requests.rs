@@ -40,7 +40,8 @@ pub(crate) const BAD_TEXTS: [(&str, &str); 36] = [
     ),
     (r#"{"type": "run_trajectory", "trajectory": {"t_s": [], "joints_rad": []}}"#, "0 points"),
     (
-        r#"{"type": "run_trajectory", "trajectory": {"t_s": [0], "joints_rad": [[0,0,0,0,0,0,0]]}}"#,
+        r#"{"type": "run_trajectory",
+            "trajectory": {"t_s": [0], "joints_rad": [[0,0,0,0,0,0,0]]}}"#,
         "1 points",
     ),
     (

@@ -75,7 +75,7 @@ fn nothing_runs_while_another_robot_is_at_the_cabinet() {
         );
         let text = status.text();
         assert!(text.contains(&format!("robot          {name}\n")), "{text}");
-        assert!(text.contains(&format!("at the cabinet is another robot: {OURS}\n")), "{text}");
+        assert!(text.contains(&format!("the cabinet has another robot: {OURS}\n")), "{text}");
         for label in [RunLabel::default(), RunLabel::of_robot(&robot)] {
             for refusal in refusals(&rig, &label) {
                 assert_eq!(refusal.code, Code::Robot);

@@ -21,7 +21,7 @@ use crate::link::{
 /// Time-out of drive messages.
 const ANSWER: Duration = Duration::from_secs(10);
 
-/// A robot program that sends scripted states and acknowledgements, beside a regular controller.
+/// A robot program that sends scripted states and acknowledgements; the controller is regular.
 pub(crate) struct ScriptedProgram {
     instructions: Socket,
     state: Socket,
@@ -128,9 +128,11 @@ fn malformed_states_are_ignored() {
     let (rig, program) = ScriptedProgram::new();
     let good = json!({"boot": 1, "state": "idle", "run": 3, "outcome":
         {"run": 2, "start_s": 1.0, "end_s": 2.0, "error": {"code": "robot", "message": "m"}},
-        "hello": {"protocol": 1, "program": "p", "sunrise": "1.16.2.16", "robot": {"model": "lbr_iiwa_7_r800",
+        "hello": {"protocol": 1, "program": "p", "sunrise": "1.16.2.16", "robot": {
+            "model": "lbr_iiwa_7_r800",
             "lengths_mm": {"base": 340, "upper_arm": 400, "forearm": 400, "flange": 152}}},
-        "conditions": {"operation_mode": "t1", "override": 0.5, "safety_stop": false, "tool": "t"}});
+        "conditions": {
+            "operation_mode": "t1", "override": 0.5, "safety_stop": false, "tool": "t"}});
     let fields = [
         Field("/boot", Required, &["3"]),
         Field("/state", Required, &[]),
@@ -169,7 +171,10 @@ fn malformed_states_are_ignored() {
     program.state.receive(ANSWER).expect("an acknowledgement");
     // Well-formed outcomes of unknown runs, at impossible times.
     program.send(good.to_string().as_bytes());
-    program.send(br#"{"boot": 1, "state": "idle", "outcome": {"run": 9, "start_s": 1e308, "end_s": -1e308}}"#);
+    program.send(
+        br#"{"boot": 1, "state": "idle",
+             "outcome": {"run": 9, "start_s": 1e308, "end_s": -1e308}}"#,
+    );
     let status = rig.client().state().unwrap();
     assert_eq!((status.state, status.robot_program), (DriveState::Idle, Presence::Connected));
     // Malformed states do not keep the connection alive.
@@ -341,7 +346,8 @@ fn a_disobedient_robot_program_does_not_block_the_drive() {
 fn a_robot_program_with_another_protocol_is_not_instructed() {
     let (rig, program) = ScriptedProgram::new();
     program.send(
-        br#"{"boot": 1, "state": "idle", "hello": {"protocol": 2, "program": "mine 0.2", "sunrise": "2.6"}}"#,
+        br#"{"boot": 1, "state": "idle",
+             "hello": {"protocol": 2, "program": "mine 0.2", "sunrise": "2.6"}}"#,
     );
     let status = rig.client().state().unwrap();
     let text = status.text();

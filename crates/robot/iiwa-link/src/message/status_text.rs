@@ -93,7 +93,7 @@ impl DriveStatus {
         if let (Some(robot), Some(other)) = (&self.robot, at_cabinet)
             && !robot.is_same_arm(other)
         {
-            let _ = writeln!(text, "               at the cabinet is another robot: {other}");
+            let _ = writeln!(text, "               the cabinet has another robot: {other}");
         }
         let conditions = self.conditions.as_ref().map(Conditions::text).unwrap_or_default();
         if !conditions.is_empty() {

@@ -17,6 +17,10 @@ pub(super) const MAX_LEVELS: usize = 2000;
 /// Java sources need less than one.
 pub(super) const MAX_CALLS_PER_TOKEN: usize = 10;
 
+/// Maximum number of tokens before a syntax error whose message lists the tokens that would be
+/// accepted there: up to twenty candidates are tried, each with all tokens before it.
+pub(super) const MAX_TOKENS_BEFORE_SEARCH: usize = 20_000;
+
 /// Checks that the brackets of a file match: the parser reports this error, too, but far after the
 /// missing bracket.
 pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), SyntaxFault> {
@@ -27,7 +31,7 @@ pub(super) fn check_brackets(tokens: &Tokens<'_>) -> Result<(), SyntaxFault> {
             Some(TokenKind::Close) => {
                 let text = tokens.text(index);
                 let Some(opened) = open.pop() else {
-                    let message = format!("`{text}` closes nothing");
+                    let message = format!("unmatched `{text}`");
                     return Err(SyntaxFault::syntax(tokens.start(index), message));
                 };
                 let expected = closing(tokens.text(opened));

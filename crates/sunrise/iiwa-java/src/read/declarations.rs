@@ -34,7 +34,7 @@ impl TreeReader<'_> {
                     read.classes.extend(self.class(node)?);
                 }
                 _ => {
-                    let message = "a class is expected: what is here is outside of any";
+                    let message = "expected a class: this code is outside of any class";
                     return Err(SyntaxFault::syntax(node.start(), message));
                 }
             }

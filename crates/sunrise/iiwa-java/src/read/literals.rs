@@ -141,8 +141,7 @@ fn units(inner: &str, place: impl Fn(usize) -> usize) -> Result<Vec<u16>, Syntax
             continue;
         }
         let offset = place(rest.as_str().len());
-        let unknown =
-            || SyntaxFault::syntax(offset, "`\\` is followed by no character that it may escape");
+        let unknown = || SyntaxFault::syntax(offset, "the character after `\\` cannot be escaped");
         let escaped = rest.next().ok_or_else(unknown)?;
         if escaped == '\n' {
             // The line of a text block is continued.

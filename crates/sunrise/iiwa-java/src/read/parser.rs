@@ -14,7 +14,7 @@ use std::{
 use tree_sitter::{Language, LogType, ParseOptions, ParseState, Parser, Tree};
 
 use super::{
-    bounds::{self, MAX_CALLS_PER_TOKEN},
+    bounds::{self, MAX_CALLS_PER_TOKEN, MAX_TOKENS_BEFORE_SEARCH},
     fault::SyntaxFault,
     lines::LineStarts,
     tokens::Tokens,
@@ -142,7 +142,8 @@ fn first_error(
     let index = tokens.from(offset);
     let token = tokens.text(index);
     let mut accepts = |symbol: &str, written: &str| {
-        if !symbols.contains(symbol) {
+        // Each search parses the text again up to the error.
+        if index > MAX_TOKENS_BEFORE_SEARCH || !symbols.contains(symbol) {
             return false;
         }
         let text = format!("{} {written}", text.get(..offset).unwrap_or_default());

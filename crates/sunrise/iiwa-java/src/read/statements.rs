@@ -40,7 +40,7 @@ impl TreeReader<'_> {
                 let expression = self.only(node)?;
                 let read = self.expression(expression)?;
                 if !is_statement(&read.kind) {
-                    let message = "a statement is expected: this has a value, and does nothing";
+                    let message = "expected a statement: this expression has no effect";
                     return Err(SyntaxFault::syntax(expression.start(), message));
                 }
                 StatementKind::Expression(read)

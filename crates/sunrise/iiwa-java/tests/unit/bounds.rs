@@ -2,7 +2,10 @@
 
 use super::{fault, unit, value};
 use crate::{
-    read::{bounds::MAX_LEVELS, tokens::MAX_TOKENS},
+    read::{
+        bounds::{MAX_LEVELS, MAX_TOKENS_BEFORE_SEARCH},
+        tokens::MAX_TOKENS,
+    },
     source_error::{SourceError, SourceFault},
 };
 
@@ -100,6 +103,15 @@ fn long_lists_and_chains() {
 fn tokens() {
     let text = in_method(&"a(); ".repeat(MAX_TOKENS / 4));
     assert!(matches!(fault(&text).fault, SourceFault::TooManyTokens { max_tokens: MAX_TOKENS }));
+}
+
+#[test]
+fn an_error_after_many_tokens() {
+    let error_after = |calls: usize| {
+        fault(&in_method(&format!("{} a b c();", "a(); ".repeat(calls)))).to_string()
+    };
+    assert!(!error_after(10).contains("is not expected here"));
+    assert!(error_after(MAX_TOKENS_BEFORE_SEARCH / 4).contains("`c` is not expected here"));
 }
 
 #[test]

@@ -55,7 +55,8 @@ fn kinds_of_classes() {
     );
     assert_parsed(
         "enum A implements B \
-            { C, D(1) { int e() { return 2; } }, ; int f; A() { } A(int f) { this.f = f; } int e() { return 1; } }",
+            { C, D(1) { int e() { return 2; } }, ; \
+              int f; A() { } A(int f) { this.f = f; } int e() { return 1; } }",
         "<enum A extends - implements [B], C(), D(1)<class  extends A implements [], int e() \
          {return 2;}>, int f=-, int e() {return 1;}, new void A() {}, new void A(int f) \
          {(this.f = f);}>",
@@ -70,27 +71,35 @@ fn kinds_of_classes() {
 #[test]
 fn members() {
     assert_parsed(
-        "class A { private int a; static final double[] B = {1, 2}, C[] = null; { a = 1; } static { b(); } }",
+        "class A { private int a; \
+            static final double[] B = {1, 2}, C[] = null; \
+            { a = 1; } static { b(); } }",
         "<class A extends - implements [], int a=-, static double[] B={1 2}, static double[][] \
          C=null, {(a = 1);}, static {b();}>",
     );
     assert_parsed(
-        "class A { @Inject @Named(\"Gripper\") private Tool t; @a.Named(value = \"x\") Tool u; @Tag(1) @Tags({\"a\"}) int v; }",
+        "class A { @Inject @Named(\"Gripper\") private Tool t; \
+            @a.Named(value = \"x\") Tool u; \
+            @Tag(1) @Tags({\"a\"}) int v; }",
         "<class A extends - implements [], @Inject=- @Named=Gripper Tool t=-, @Named=x Tool u=-, \
          @Tag=- @Tags=- int v=->",
     );
     assert_parsed(
-        "class A { @Override public void a() throws B, C { } protected static <T> T[] b(final int c, T... d) { return d; } abstract int e(); native void f(); int g()[] { return h; } }",
+        "class A { @Override public void a() throws B, C { } \
+            protected static <T> T[] b(final int c, T... d) { return d; } \
+            abstract int e(); native void f(); int g()[] { return h; } }",
         "<class A extends - implements [], @Override void a() {}, static T[] b(int c T[] d...) \
          {return d;}, int e() -, void f() -, int[] g() {return h;}>",
     );
     assert_parsed(
-        "class A { A() { super(1, b); c(); } A(int d[]) { this(); } <T> A(T e) { f.super(); } A(A this, int g) { } }",
+        "class A { A() { super(1, b); c(); } A(int d[]) { this(); } \
+            <T> A(T e) { f.super(); } A(A this, int g) { } }",
         "<class A extends - implements [], new void A() {super(1 b); c();}, new void A(int[] d) \
          {this();}, new void A(T e) {<a `super(...)` of an outer object>;}, new void A(int g) {}>",
     );
     assert_parsed(
-        "class A { class B { static class C { } } enum D { E } interface F { } record G(int h) { } @interface I { } ; }",
+        "class A { class B { static class C { } } enum D { E } interface F { } \
+            record G(int h) { } @interface I { } ; }",
         "<class A extends - implements [], <class B extends - implements [], <class C extends - \
          implements []>>, <enum D extends - implements [], E()>, <abstract interface F extends - \
          implements []>, <record G extends - implements [], int h=-, int h() {return this.h;}, new \

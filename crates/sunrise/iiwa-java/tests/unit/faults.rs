@@ -41,14 +41,14 @@ fn of_characters_texts_and_comments() {
     assert_fault("\u{e4}\u{e4} \u{fffd}", "1:4: `\u{fffd}` has no meaning in Java");
     assert_fault(
         "class A { String a = \"\\q\"; }",
-        "1:23: `\\` is followed by no character that it may escape",
+        "1:23: the character after `\\` cannot be escaped",
     );
 }
 
 #[test]
 fn of_brackets() {
     assert_fault("class A {\n  void a() {\n}", "1:9: this `{` is not closed: `}` is expected");
-    assert_fault("class A { } }", "1:13: `}` closes nothing");
+    assert_fault("class A { } }", "1:13: unmatched `}`");
     assert_fault(
         "class A { void a() {\n b(c[1); } }",
         "2:7: `]` is expected, which closes the `[` of line 2, not `)`",
@@ -61,7 +61,7 @@ fn of_declarations() {
     assert_fault("class { }", "1:7: a name is expected, not `{`");
     assert_fault("class A { run() { } }", "1:11: `run` lacks the type that it returns, or `void`");
     assert_fault("class A { void a(int) { } }", "1:21: a name is expected, not `)`");
-    assert_fault("void a() { }", "1:1: a class is expected: what is here is outside of any");
+    assert_fault("void a() { }", "1:1: expected a class: this code is outside of any class");
     assert_fault("class A { int a = 1 int b; }", "1:20: `;` is expected");
     assert_fault("class A { int if; }", "1:15: a name is expected, not `if`");
     assert_fault(
@@ -92,10 +92,10 @@ fn of_statements() {
 
 #[test]
 fn of_texts_that_the_grammar_accepts_and_java_does_not() {
-    is_in_method("a + b;", "2:1: a statement is expected: this has a value, and does nothing");
-    is_in_method("a;", "2:1: a statement is expected: this has a value, and does nothing");
+    is_in_method("a + b;", "2:1: expected a statement: this expression has no effect");
+    is_in_method("a;", "2:1: expected a statement: this expression has no effect");
     is_in_method("1++;", "2:1: only a variable can be counted up or down");
-    is_in_method("(a) ++b;", "2:1: a statement is expected: this has a value, and does nothing");
+    is_in_method("(a) ++b;", "2:1: expected a statement: this expression has no effect");
     is_in_method("import b.C;", "2:1: `import` is not expected here");
     assert_fault("class A { B { } }", "1:11: `B` is not expected here");
     assert_fault(

@@ -22,14 +22,8 @@ impl Robotics<'_> {
     /// such as "the platform drives".
     pub(crate) fn given_seconds(&mut self, event: &str) -> Result<f64, EvaluationStop> {
         let asked = self.place.to_string();
-        // The file matches with or without its folders; the longest matching key has priority.
-        let is_here = |key: &str| asked == key || asked.ends_with(&format!("/{key}"));
-        let given = self.station.answers.times.iter().filter(|(key, _)| is_here(key));
-        let given = given.max_by_key(|(key, _)| key.len()).map(|(_, seconds)| *seconds);
+        let given = self.time_of_line(&asked)?;
         let seconds = given.unwrap_or(0.0);
-        if Answers::seconds(seconds).is_none() {
-            return self.reject(format!("`{asked}` is given as {seconds}: {}", Answers::SECONDS));
-        }
         if given.is_none() {
             self.note(format!(
                 "{event}: its time is not in the plan; an answer, `[times]`, adds it"
@@ -38,6 +32,27 @@ impl Robotics<'_> {
         let (answer, is_given) = (seconds.to_string(), given.is_some());
         self.record(QuestionKind::Time, &asked, Vec::new(), answer, is_given);
         Ok(seconds)
+    }
+
+    /// Returns the given duration in s for this line; otherwise 0, without a note.
+    pub(crate) fn stated_seconds(&mut self) -> Result<f64, EvaluationStop> {
+        let asked = self.place.to_string();
+        let Some(seconds) = self.time_of_line(&asked)? else { return Ok(0.0) };
+        self.record(QuestionKind::Time, &asked, Vec::new(), seconds.to_string(), true);
+        Ok(seconds)
+    }
+
+    /// Returns the given duration for a line, in s.
+    fn time_of_line(&self, asked: &str) -> Result<Option<f64>, EvaluationStop> {
+        // The file matches with or without its folders; the longest matching key has priority.
+        let is_here = |key: &str| asked == key || asked.ends_with(&format!("/{key}"));
+        let given = self.station.answers.times.iter().filter(|(key, _)| is_here(key));
+        let given = given.max_by_key(|(key, _)| key.len()).map(|(_, seconds)| *seconds);
+        let seconds = given.unwrap_or(0.0);
+        if Answers::seconds(seconds).is_none() {
+            return self.reject(format!("`{asked}` is given as {seconds}: {}", Answers::SECONDS));
+        }
+        Ok(given)
     }
 
     /// Waits for the time given for this line.

@@ -177,7 +177,9 @@ impl Robotics<'_> {
         frame.parent = parent;
         if keeps_place {
             let (Some(in_world), Some(parent)) = (in_world, self.parent_in_world(&frame)) else {
-                return self.reject("a frame is given in something that is attached to nothing");
+                return self.reject(
+                    "a frame is given relative to an object that is not attached to anything",
+                );
             };
             frame.frame = then(&inverse(&parent), &in_world);
         }
@@ -212,8 +214,9 @@ impl Robotics<'_> {
                 let redundancy =
                     if name == "copy" { RedundancyValue::default() } else { this.redundancy };
                 let Some(in_world) = self.station.frame_in_world(this) else {
-                    return self
-                        .reject("a frame is given in something that is attached to nothing");
+                    return self.reject(
+                        "a frame is given relative to an object that is not attached to anything",
+                    );
                 };
                 let mut copy = FrameValue { redundancy, parent: new_parent, ..this.clone() };
                 let parent = self.parent_in_world(&copy).unwrap_or_default();

@@ -3,7 +3,8 @@
 use std::{collections::BTreeMap, fmt::Write as _, rc::Rc, thread};
 
 use crate::{
-    DataFile, ExportedProject, Project, ProjectData, Question, QuestionKind, RobotStatement,
+    Answers, DataFile, ExportedProject, Project, ProjectData, Question, QuestionKind,
+    RobotStatement,
 };
 use iiwa_java::{ClassId, Classes, EvaluationStop, JavaRefusal, Machine, Note, SourceLine};
 use iiwa_kin::{Joints, Robot};
@@ -56,7 +57,8 @@ const STACK: usize = 256 << 20;
 ///         @Inject private LBR lbr;
 ///         public void run() {
 ///             for (int i = 1; i <= 2; i++) {
-///                 lbr.move(ptp(0, 0, 0, Math.toRadians(-45 * i), 0, 0, 0).setJointVelocityRel(0.5));
+///                 lbr.move(ptp(0, 0, 0, Math.toRadians(-45 * i), 0, 0, 0)
+///                     .setJointVelocityRel(0.5));
 ///             }
 ///         }
 ///     }"#)])?;
@@ -99,6 +101,20 @@ fn data_file(project: &Project) -> Result<DataFile, ImportError> {
     }
 }
 
+/// Adds the durations that comments of the sources state, except where an answer is given.
+fn with_stated_times(mut answers: Answers, project: &Project) -> Answers {
+    for file in project.files() {
+        for (line, seconds) in file.times() {
+            let place = format!("{}:{line}", file.path());
+            let is_given = |key: &String| place == *key || place.ends_with(&format!("/{key}"));
+            if !answers.times.keys().any(is_given) {
+                answers.times.insert(place, *seconds);
+            }
+        }
+    }
+    answers
+}
+
 fn import_here(
     project: &Project,
     name: Option<&str>,
@@ -118,7 +134,7 @@ fn import_here(
     let start_rad = options.start_rad.or_else(|| stated_start(&data_file));
     let is_start_known = start_rad.is_some();
     let start_rad = start_rad.unwrap_or_default();
-    let answers = options.answers.clone();
+    let answers = with_stated_times(options.answers.clone(), project);
     let setup = StationSetup {
         robot: robot.clone(),
         robot_name,
@@ -287,7 +303,7 @@ fn ways_out(
     }
     match (endless.dialogs.is_empty(), ways.is_empty()) {
         (true, _) => None,
-        (false, true) => Some("; no answer to a dialog in it is known to end it".to_owned()),
+        (false, true) => Some("; none of the tried answers to its dialogs ends it".to_owned()),
         (false, false) => Some(format!("; it ends by the answers {}", ways.join(", or "))),
     }
 }

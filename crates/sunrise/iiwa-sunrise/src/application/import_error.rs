@@ -70,7 +70,7 @@ pub enum ImportError {
     #[error("the flange: {0}")]
     FlangeLength(BadLength),
     /// The application ends without a motion.
-    #[error("{}:{}: {} moves nothing", .application.file, .application.line, .application.name)]
+    #[error("{}:{}: {} has no motions", .application.file, .application.line, .application.name)]
     NoMotions {
         /// Application.
         application: Box<Application>,

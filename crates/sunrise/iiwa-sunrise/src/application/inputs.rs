@@ -3,7 +3,7 @@
 use crate::{AnswerValue, QuestionKind};
 use iiwa_java::{EvaluationStop, Value};
 
-use crate::application::{asked::Asked, robotics::Robotics};
+use crate::application::{asked::Asked, robotics::Robotics, signals::signal};
 
 impl Robotics<'_> {
     /// Calls a method of an I/O group.
@@ -23,6 +23,7 @@ impl Robotics<'_> {
                 | "addAnalogOutput",
                 _,
             ) => Ok(Value::Null),
+            ("getInput" | "getOutput" | "getIO", [Value::Text(name)]) => Ok(signal(group, name)),
             (_, [Value::Text(signal), rest @ ..]) if name.starts_with("get") => {
                 let is_output = matches!(rest.first(), Some(Value::Boolean(true)));
                 let value = self.read_signal(group, signal, is_output, name.contains("Boolean"))?;
@@ -32,19 +33,17 @@ impl Robotics<'_> {
                 })
             }
             (_, [Value::Text(signal), value]) if name.starts_with("set") => {
-                self.station.outputs.insert(format!("{group}.{signal}"), value.clone());
-                Ok(Value::Null)
+                self.set_output(group, signal, value)
             }
             // Methods `getName()` and `setName(value)` of a group whose class is not in the
             // project.
             (_, []) if name.starts_with("get") || name.starts_with("is") => {
-                let signal = name.trim_start_matches("get").trim_start_matches("is");
+                let signal = name.strip_prefix("get").or(name.strip_prefix("is")).unwrap_or(name);
                 self.read_signal(group, signal, false, false)
             }
             (_, [value]) if name.starts_with("set") => {
-                let signal = name.trim_start_matches("set");
-                self.station.outputs.insert(format!("{group}.{signal}"), value.clone());
-                Ok(Value::Null)
+                let signal = name.strip_prefix("set").unwrap_or(name);
+                self.set_output(group, signal, value)
             }
             _ => Ok(self.not_known(&format!("AbstractIOGroup.{name}"))),
         }

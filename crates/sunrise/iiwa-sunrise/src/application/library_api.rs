@@ -10,6 +10,7 @@ use crate::application::{
     frames_api::{new_redundancy, transformation_static},
     robot_value::{RobotValue, robot},
     robotics::Robotics,
+    signals::signal_condition,
     spot::Spot,
 };
 
@@ -141,7 +142,7 @@ impl Robotics<'_> {
             return Ok(Some(robot(RobotValue::thread(task))));
         }
         if is_condition(class) {
-            return Ok(Some(condition()));
+            return Ok(Some(signal_condition(class, arguments).unwrap_or_else(condition)));
         }
         if let Some(gives) = source(class) {
             // A reader on a socket returns the socket's data.

@@ -98,8 +98,8 @@ impl Robotics<'_> {
             "setMode" => {
                 if arguments.iter().any(|mode| !matches!(mode, Value::Null)) {
                     self.note(
-                        "a control mode changes how the arm follows a path: it is planned \
-                        alike",
+                        "the control mode is ignored: the plan is the same in all control \
+                        modes",
                     );
                 }
             }
@@ -107,10 +107,10 @@ impl Robotics<'_> {
                 motion.borrow_mut().settings.has_break = true;
                 self.note(
                     "a motion with `breakWhen` is planned to its end, as if the condition \
-                    did not come true",
+                    were never met",
                 );
             }
-            "triggerWhen" => self.note("what a trigger starts is not evaluated"),
+            "triggerWhen" => self.note("the action of a trigger is not evaluated"),
             "setOrientationType" => self.set_orientation(motion, arguments)?,
             "setOrientationReferenceSystem" => {
                 let constant = constant_name(arguments);
@@ -128,8 +128,8 @@ impl Robotics<'_> {
                 motion.borrow_mut().settings.aux_orientation = mode;
             }
             "addMotionOverlay" => motion.borrow_mut().obstruct(PlanningObstacle::Refused(
-                "a motion with an overlay, as of FRI, cannot be planned ahead: where the arm goes \
-                 is decided while it moves; plan the motion without it"
+                "a motion with an overlay, such as that of FRI, cannot be planned ahead: its path \
+                 is determined during the motion; plan the motion without the overlay"
                     .to_owned(),
             )),
             "copy" | "clone" => {
@@ -170,28 +170,28 @@ impl Robotics<'_> {
             let Some(shares) = shares else {
                 return self.throw(
                     "IllegalArgumentException",
-                    format!("`{name}` takes one number, or seven"),
+                    format!("`{name}` expects one number, or seven"),
                 );
             };
             if let Some(wrong) = shares.iter().find(|share| !(**share > 0.0 && **share <= 1.0)) {
                 return self.throw(
                     "IllegalArgumentException",
-                    format!("`{name}` takes shares above 0 and up to 1, and here is {wrong}"),
+                    format!("`{name}` expects shares above 0 and up to 1, found {wrong}"),
                 );
             }
             motion.borrow_mut().settings.shares[kind] = Some(shares);
             return Ok(());
         }
         let [given] = given[..] else {
-            return self.throw("IllegalArgumentException", format!("`{name}` takes a number"));
+            return self.throw("IllegalArgumentException", format!("`{name}` expects a number"));
         };
         let is_limit = matches!(setting, Setting::Way(_) | Setting::Turn(_));
         let is_angle = matches!(setting, Setting::CircAngle);
         if !given.is_finite() || (is_limit && given <= 0.0) || (!is_angle && given < 0.0) {
-            let lower = if is_limit { "above 0" } else { "from 0 on" };
+            let lower = if is_limit { "above 0" } else { "of at least 0" };
             return self.throw(
                 "IllegalArgumentException",
-                format!("`{name}` takes a number {lower}, and here is {given}"),
+                format!("`{name}` expects a number {lower}, found {given}"),
             );
         }
         let mut motion = motion.borrow_mut();
@@ -225,7 +225,7 @@ impl Robotics<'_> {
         }
         let Some([value]) = numbers(arguments).and_then(|given| <[f64; 1]>::try_from(given).ok())
         else {
-            return self.throw("IllegalArgumentException", format!("`{name}` takes a number"));
+            return self.throw("IllegalArgumentException", format!("`{name}` expects a number"));
         };
         if let MotionPath::LinRel { offset, .. } = &mut motion.borrow_mut().way {
             let mut components = offset.xyz_mm.iter_mut().chain(&mut offset.abc_rad);

@@ -75,8 +75,8 @@ impl Robotics<'_> {
         let place = station.speed_override.as_ref().map(|(_, place)| format!(" ({place})"));
         let [first, now] = [first, now].map(|share| share * 100.0);
         self.reject(format!(
-            "the application goes on at {now} % of its speed{}, after motions at {first} %: a \
-             program has one override; plan the parts on their own",
+            "the application continues at {now} % of its speed{}, after motions at {first} %: a \
+             program has one override; plan the parts separately",
             place.unwrap_or_default()
         ))
     }
@@ -159,7 +159,7 @@ impl Robotics<'_> {
     }
 
     /// Refuses a motion that is not valid in a program.
-    fn check(&self, motion: &Motion) -> Result<(), EvaluationStop> {
+    pub(crate) fn check(&self, motion: &Motion) -> Result<(), EvaluationStop> {
         let mut program = Program::from_rad(self.station.start_rad).build();
         program.motions.push(motion.clone());
         match program.check_numbers() {
@@ -318,8 +318,8 @@ impl Robotics<'_> {
                 }
                 _ => {
                     return self.reject(
-                        "a spline has a segment that is not a path of the TCP: segments are spl, \
-                         lin, linRel and circ",
+                        "a spline has a segment that is not a TCP path: segments are spl, lin, \
+                         linRel and circ",
                     );
                 }
             };
@@ -399,13 +399,13 @@ impl Robotics<'_> {
                 if self.station.in_flange(*spot).is_some() {
                     let subject = self.spot_name(*spot);
                     return self
-                        .reject(format!("{subject} is a target, and it moves with the arm"));
+                        .reject(format!("{subject} is a target, but it moves with the arm"));
                 }
                 if let Some(frame) = self.station.in_world(*spot) {
                     Ok(destination_of(in_foot(frame)))
                 } else {
                     let subject = self.spot_name(*spot);
-                    self.reject(format!("{subject} is a target, and it is attached to nothing"))
+                    self.reject(format!("{subject} is a target, but is not attached to anything"))
                 }
             }
             TargetFrame::Frame(frame) => {
@@ -483,7 +483,7 @@ impl Robotics<'_> {
         }
         let load = self.station.workcell.load(None).copied();
         let step = (wanted != load).then(|| wanted.unwrap_or_default());
-        self.check(&Motion::Load(step))?;
+        self.check(&Motion::Load(step.map(Into::into)))?;
         self.station.schedule.load(step, place);
         self.station.carried = wanted;
         Ok(())

@@ -1,12 +1,14 @@
 //! Opaque objects, whose state does not affect the plan: application data, dialogs and log,
 //! controllers, conditions, control modes.
 
+use std::rc::Rc;
+
 use iiwa_java::{EvaluationStop, Value};
 
 use crate::application::{
     arguments::first_unknown,
     platform_api::{is_platform, name_platform, platform},
-    robot_value::{Opaque, RobotValue, robot},
+    robot_value::{Opaque, RobotValue, SignalValue, robot},
     robotics::Robotics,
     spot::Spot,
 };
@@ -19,7 +21,7 @@ impl Robotics<'_> {
     /// Calls a method of an opaque object.
     pub(crate) fn call_opaque(
         &mut self,
-        opaque: &std::rc::Rc<Opaque>,
+        opaque: &Rc<Opaque>,
         name: &str,
         arguments: &[Value],
     ) -> Result<Value, EvaluationStop> {
@@ -56,27 +58,27 @@ impl Robotics<'_> {
                 };
             }
             "IContext" | "Controller" => return Ok(self.call_controller(name, arguments)),
-            "IObserverManager" if name == "waitFor" => {
-                if arguments.len() > 1 {
-                    return Ok(self.answer_condition("the condition of a wait"));
-                }
-                self.note("a wait for a condition is planned as if it came true at once");
-                return Ok(Value::Null);
-            }
+            "IObserverManager" if name == "waitFor" => return self.wait_for(arguments),
             "IObserverManager" => {
-                self.note("what an observer does when its condition becomes true is not evaluated");
+                self.note("the action of an observer is not evaluated");
                 return Ok(robot(RobotValue::opaque("IObserver")));
             }
             "ICondition" => {
                 return Ok(match name {
-                    "and" | "or" | "xor" | "invert" | "onePressed" => {
-                        robot(RobotValue::Opaque(opaque.clone()))
-                    }
+                    "invert" => match &opaque.signal {
+                        Some(SignalValue { id, value: Some(value) }) => {
+                            let signal = SignalValue { id: Rc::clone(id), value: Some(!value) };
+                            let inverse = Opaque::of_signal("ICondition", signal);
+                            robot(RobotValue::Opaque(Rc::new(inverse)))
+                        }
+                        _ => robot(RobotValue::Opaque(opaque.clone())),
+                    },
+                    "and" | "or" | "xor" | "onePressed" => robot(RobotValue::opaque("ICondition")),
                     _ => self.unknown("a measured force"),
                 });
             }
             "FRISession" if name == "await" => {
-                self.note("a session of FRI is planned as if it were there at once");
+                self.note("the wait for an FRI session is planned with no duration");
                 return Ok(Value::Null);
             }
             "MobilePlatform" => return self.call_platform(name, arguments),
@@ -92,7 +94,8 @@ impl Robotics<'_> {
         if FLUENT.iter().any(|begin| name.starts_with(begin)) {
             if &*opaque.class == "LoadData" {
                 self.note(
-                    "a load that the application sets is left out: that of the template counts",
+                    "load data set by the application are ignored: the plan uses those of the \
+                     template",
                 );
             }
             return Ok(robot(RobotValue::Opaque(opaque.clone())));
@@ -150,8 +153,8 @@ impl Robotics<'_> {
         }
     }
 
-    /// Returns an API object that an application gets by its own methods or by injection, by its
-    /// class.
+    /// Returns the API object of a class, as an application gets it from its own methods or by
+    /// injection.
     pub(crate) fn service(class: &str) -> Option<Value> {
         let class = match class {
             arm if is_arm(arm) => return Some(robot(RobotValue::Robot)),

@@ -59,7 +59,7 @@ impl Robotics<'_> {
                 RobotValue::Robot | RobotValue::Spot(_) if is_new => {
                     let kind = receiver.kind();
                     self.note(format!(
-                        "`{name}` of {kind} is not evaluated: what it changes is left out"
+                        "`{name}` of {kind} is not evaluated: its effect is left out"
                     ));
                 }
                 _ => {}
@@ -203,7 +203,7 @@ impl Robotics<'_> {
         let Some(tcp) = self.station.in_flange(spot) else {
             let subject = self.spot_name(spot);
             return self.reject(format!(
-                "{subject} is asked where it is, and it is not attached to the flange"
+                "the position of {subject} is requested, but it is not attached to the flange"
             ));
         };
         let at_rad = self.station.at_rad;
@@ -247,10 +247,11 @@ impl Robotics<'_> {
         };
         let RedundancyValue { e1_rad: Some(e1_rad), status: Some(status), .. } = frame.redundancy
         else {
-            return self.throw("IllegalArgumentException", "the frame says no redundancy");
+            return self.throw("IllegalArgumentException", "the frame has no redundancy data");
         };
         let Some(place) = self.station.frame_in_world(&frame) else {
-            return self.reject("a frame is given in something that is attached to nothing");
+            return self
+                .reject("a frame is given relative to an object that is not attached to anything");
         };
         match self.station.robot.inverse(&place.pose(), e1_rad, status) {
             Ok(joints_rad) => Ok(robot(RobotValue::joints(joints_rad))),

@@ -168,7 +168,7 @@ fn tools_and_workpieces_change_the_load() -> Result<(), EvaluationStop> {
         })));
     };
     // Loads of 1.5 kg at 50 mm and 0.5 kg at 160 mm.
-    assert!((load.center_mm[2] - 77.5).abs() < 1e-9);
+    assert!((load.load.center_mm[2] - 77.5).abs() < 1e-9);
     let tools: Vec<Option<&str>> = program
         .motions
         .iter()
@@ -226,6 +226,57 @@ fn waits_overlap_running_motions() -> Result<(), EvaluationStop> {
     let waits: Vec<&Motion> = program.motions.iter().filter(|motion| !motion.moves()).collect();
     let wait = |seconds, overlap| Motion::Wait { seconds, overlap };
     assert_eq!(waits, [&wait(0.7, 0), &wait(0.25, 1), &wait(2.0, 0)]);
+    Ok(())
+}
+
+#[test]
+fn waits_for_conditions_take_time() -> Result<(), EvaluationStop> {
+    // The call after the motion to the start.
+    let place = "Job.java:3";
+    let arguments = |machine: &mut Robotics<'static>| -> Result<Vec<Value>, EvaluationStop> {
+        let second = machine.robot_constant("TimeUnit", "SECONDS")?.unwrap_or(Value::Null);
+        Ok(vec![robot(RobotValue::opaque("ICondition")), Value::Int(5), second])
+    };
+    let manager = || robot(RobotValue::opaque("IObserverManager"));
+    let fired = |answer: bool| format!("[fired]\n\"{place}\" = {answer}\n");
+    let time = format!("[times]\n\"{place}\" = 1.5\n");
+    let note = "a wait for a condition, of at most 5 s: its time is not in the plan";
+    for (answers, waits, noted) in [
+        (fired(false), vec![5.0], None),
+        (fired(true), vec![], Some(note)),
+        (fired(true) + &time, vec![1.5], None),
+        (time.clone(), vec![1.5], None),
+        (String::new(), vec![], Some(note)),
+    ] {
+        let mut machine = machine(&answers);
+        ready(&mut machine)?;
+        let arguments = arguments(&mut machine)?;
+        let answer = machine.on(&manager(), "waitFor", &arguments)?;
+        assert_eq!(matches!(answer, Value::Unknown(_)), !answers.contains("fired"), "{answers}");
+        let is_noted = machine.notes.iter().any(|it| it.text.contains(note));
+        assert_eq!(is_noted, noted.is_some(), "{answers}: {:?}", machine.notes);
+        let (program, _) = finished(&mut machine);
+        let actual: Vec<f64> = program
+            .motions
+            .iter()
+            .filter_map(|motion| match motion {
+                Motion::Wait { seconds, .. } => Some(*seconds),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(actual, waits, "{answers}");
+    }
+    // Longer than the time limit.
+    let mut machine = machine(&time.replace("1.5", "5.5"));
+    ready(&mut machine)?;
+    let arguments = arguments(&mut machine)?;
+    assert!(machine.on(&manager(), "waitFor", &arguments).is_err());
+    // Without a time limit, and with a time.
+    let mut machine = self::machine(&time);
+    ready(&mut machine)?;
+    machine.on(&manager(), "waitFor", &arguments[..1])?;
+    let (program, _) = finished(&mut machine);
+    assert_eq!(program.motions[1], Motion::Wait { seconds: 1.5, overlap: 0 });
     Ok(())
 }
 

@@ -28,7 +28,7 @@ pub(crate) struct RobotChoice {
 
 impl RobotChoice {
     /// Chooses the robot: the given one, else the one that the project states, else the LBR iiwa 7
-    /// R800, as an answer to a question.
+    /// R800, as the assumed answer to a question.
     ///
     /// # Errors
     ///
@@ -43,7 +43,7 @@ impl RobotChoice {
         let mut notes = Vec::new();
         if let Err(fault) = project.station() {
             let source = Source { file: fault.path.clone(), line: 1 };
-            let text = format!("what the station says of its robot is not known: {fault}");
+            let text = format!("the robot of the station is not known: {fault}");
             notes.push(ImportNote { text, source });
         }
         let mut questions = Vec::new();
@@ -113,11 +113,14 @@ impl RobotChoice {
                 return Err(ImportError::Flanges(all));
             }
         };
-        let med = |statement: &&RobotStatement| matches!(statement.means, Stated::Model(model) if model.is_med);
+        let med = |statement: &&RobotStatement| match statement.means {
+            Stated::Model(model) => model.is_med,
+            Stated::Flange(..) => false,
+        };
         notes.extend(all.iter().find(med).map(|statement| ImportNote {
             text: format!(
-                "{} is planned as {name}, which has the same kinematics; that its limits are the \
-                 same is assumed",
+                "{} is planned as {name}, which has the same kinematics; the same limits are \
+                 assumed",
                 statement.words
             ),
             source: source(statement),
@@ -159,8 +162,8 @@ impl<T> Agreement<T> {
     }
 }
 
-/// Returns the value on which all kinds of files agree that state one. A station may have several
-/// robots, one of which is named elsewhere.
+/// Returns the value on which all kinds of files that state a value agree. A station may have
+/// several robots, one of which is named elsewhere.
 fn agreed<T: Copy + PartialEq>(
     statements: &[RobotStatement],
     value: impl Fn(&Stated) -> Option<T>,
@@ -269,8 +272,8 @@ fn foreign(data_file: &DataFile) -> Option<&str> {
     data_file.setting(ExportedProject::ROBOT_ID).filter(|name| Robot::built_in(name).is_none())
 }
 
-/// Returns the flange with which more taught frames are reached as taught, if the two lengths
-/// differ in this.
+/// Returns the flange length with which the arm reaches more taught frames as taught, if this is at
+/// least 90 % of them; none if both lengths reach the same number.
 fn taught_with(project: &Project, data_file: &DataFile, robot: &Robot) -> Option<RobotStatement> {
     if data_file.setting(ExportedProject::FLANGE_ID).is_some() {
         return None;
@@ -290,9 +293,9 @@ fn taught_with(project: &Project, data_file: &DataFile, robot: &Robot) -> Option
     }
     let counts = lengths.into_iter().zip([other, touch]);
     let counts: Vec<_> =
-        counts.map(|(m, count)| format!("{count} with {:.0} mm", 1e3 * m)).collect();
+        counts.map(|(m, count)| format!("{count} with the {:.0} mm", 1e3 * m)).collect();
     let words =
-        format!("of {taught} taught frames the arm reaches {} of flange", counts.join(" and "));
+        format!("of {taught} taught frames, the arm reaches {} flange", counts.join(" and "));
     let means = Stated::Flange(model, flange_m);
     let (path, _) = data_text(project);
     Some(RobotStatement { by: StatedBy::DataFile, file: path.to_owned(), line: 1, words, means })
@@ -307,7 +310,7 @@ fn other_than(name: &str, statement: &RobotStatement) -> Option<ImportNote> {
     let Stated::Model(model) = statement.means else { return None };
     let robot_from_options = StatedModel::in_name(name)?;
     (robot_from_options.built_in != model.built_in).then(|| ImportNote {
-        text: format!("the project states {}: it is planned on {name}, as given", statement.words),
+        text: format!("the project states {}; the plan uses {name}, as given", statement.words),
         source: source(statement),
     })
 }
@@ -317,7 +320,7 @@ fn other_flange(given_m: f64, statement: &RobotStatement) -> Option<ImportNote> 
     let Stated::Flange(_, stated_m) = statement.means else { return None };
     (stated_m != given_m).then(|| ImportNote {
         text: format!(
-            "the project states a flange of {:.0} mm ({}): it is planned with one of {} mm, as \
+            "the project states a flange of {:.0} mm ({}); the plan uses a flange of {} mm, as \
              given",
             1e3 * stated_m,
             statement.words,

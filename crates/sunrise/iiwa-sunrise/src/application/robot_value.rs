@@ -79,6 +79,28 @@ pub(crate) struct Opaque {
     pub(crate) gives: Option<Rc<str>>,
     /// Task of a thread or a timer.
     pub(crate) task: Option<Value>,
+    /// Signal of an input, an output or a condition.
+    pub(crate) signal: Option<SignalValue>,
+}
+
+/// Input or output, and the value that a condition compares it with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct SignalValue {
+    /// Name as `Group.Name`.
+    pub(crate) id: Rc<str>,
+    /// Value of the condition; `None` for the signal itself.
+    pub(crate) value: Option<bool>,
+}
+
+impl Opaque {
+    fn new(class: &str) -> Self {
+        Self { class: Rc::from(class), gives: None, task: None, signal: None }
+    }
+
+    /// Creates an input, an output or a condition.
+    pub(crate) fn of_signal(class: &str, signal: SignalValue) -> Self {
+        Self { signal: Some(signal), ..Self::new(class) }
+    }
 }
 
 impl RobotValue {
@@ -110,21 +132,17 @@ impl RobotValue {
     }
 
     pub(crate) fn opaque(class: &str) -> Self {
-        Self::Opaque(Rc::new(Opaque { class: Rc::from(class), gives: None, task: None }))
+        Self::Opaque(Rc::new(Opaque::new(class)))
     }
 
     /// Creates a thread, a timer or an executor; a thread has a task.
     pub(crate) fn thread(task: Option<Value>) -> Self {
-        Self::Opaque(Rc::new(Opaque { class: Rc::from("Thread"), gives: None, task }))
+        Self::Opaque(Rc::new(Opaque { task, ..Opaque::new("Thread") }))
     }
 
     /// Creates an object whose values are unknown, with their origin.
     pub(crate) fn source(class: &str, gives: &str) -> Self {
-        Self::Opaque(Rc::new(Opaque {
-            class: Rc::from(class),
-            gives: Some(Rc::from(gives)),
-            task: None,
-        }))
+        Self::Opaque(Rc::new(Opaque { gives: Some(Rc::from(gives)), ..Opaque::new(class) }))
     }
 }
 

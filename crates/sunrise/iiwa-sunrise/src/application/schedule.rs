@@ -2,7 +2,7 @@
 
 use iiwa_java::SourceLine;
 use iiwa_kin::Load;
-use iiwa_program::Motion;
+use iiwa_program::{IoEntry, Motion};
 
 /// Motions and waits of an application so far.
 #[derive(Debug, Default)]
@@ -128,10 +128,28 @@ impl Schedule {
         if let Some(ScheduleEntry { motion: Motion::Load(_), .. }) = self.entries.last() {
             self.entries.pop();
         }
-        self.entries.push(ScheduleEntry { motion: Motion::Load(load), place, is_awaited: true });
+        let motion = Motion::Load(load.map(Into::into));
+        self.entries.push(ScheduleEntry { motion, place, is_awaited: true });
         if let Some((seconds, is_fixed, place)) = rest {
             self.hold = Some(Hold { entry: self.entries.len(), slept_s: 0.0, is_fixed });
             let motion = Motion::Wait { seconds, overlap: 0 };
+            self.entries.push(ScheduleEntry { motion, place, is_awaited: true });
+        }
+    }
+
+    /// Adds an input or output, while the robot continues its motions.
+    pub(crate) fn io(&mut self, entry: IoEntry, place: SourceLine) {
+        // A hold in progress continues after an output. A wait for an input is part of the hold.
+        let waits_s = entry.seconds();
+        let rest = if self.hold.is_some() { self.rest_of_hold() } else { None };
+        let overlap = self.under_way;
+        let motion = Motion::Io(IoEntry { overlap, ..entry });
+        self.entries.push(ScheduleEntry { motion, place, is_awaited: true });
+        if let Some((seconds, is_fixed, place)) = rest
+            && seconds > waits_s
+        {
+            self.hold = Some(Hold { entry: self.entries.len(), slept_s: 0.0, is_fixed });
+            let motion = Motion::Wait { seconds: seconds - waits_s, overlap: 0 };
             self.entries.push(ScheduleEntry { motion, place, is_awaited: true });
         }
     }
@@ -162,8 +180,8 @@ impl Schedule {
         let mut is_followed = false;
         for entry in self.entries.iter_mut().rev() {
             match &mut entry.motion {
-                Motion::Wait { overlap: 1.., .. } => continue,
-                Motion::Wait { .. } | Motion::Load(_) => {
+                waiting if waiting.is_overlapping_wait() => continue,
+                Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => {
                     is_followed = false;
                     continue;
                 }

@@ -101,6 +101,15 @@ impl Host for StationHost {
         self.0.borrow_mut().settle();
     }
 
+    fn passed_loop(
+        &self,
+        machine: &mut Machine,
+        asked: usize,
+        hindrance: Option<&'static str>,
+    ) -> Result<(), EvaluationStop> {
+        self.with(machine, |robotics| robotics.wait_in_loop(asked, hindrance))
+    }
+
     fn answers_since(&self, asked: usize) -> Option<String> {
         self.0.borrow().answers_since(asked)
     }

@@ -25,16 +25,21 @@ impl Station {
         [position.finish(), values.finish()]
     }
 
-    /// Supposes a value for the only unanswered input since `since`; false if the unanswered
-    /// questions are not one input. Without `value`, only ends the trial.
+    /// Supposes a value for the only input since `since` without a given value; false if the
+    /// questions without a given answer are not one input. Without `value`, only ends the trial.
     pub(crate) fn suppose(&mut self, since: usize, value: Option<bool>) -> bool {
         self.trial = None;
         let Some(value) = value else { return true };
         let asked = self.asked.get(since..).unwrap_or_default();
-        let mut open = asked.iter().filter(|question| question.answer.is_none());
+        let is_open = |question: &&Asked| question.answer.is_none();
+        let only_supposed = !asked.iter().any(|question| is_open(&question));
+        let mut open = asked
+            .iter()
+            .filter(|question| if only_supposed { !question.is_given } else { is_open(question) });
         match (open.next(), open.next_back()) {
             (Some(first), last)
-                if first.kind == QuestionKind::Input && last.is_none_or(|last| last == first) =>
+                if first.kind == QuestionKind::Input
+                    && last.is_none_or(|last| last.subject == first.subject) =>
             {
                 self.trial = Some((first.subject.clone(), value));
                 true

@@ -156,7 +156,7 @@ impl Robotics<'_> {
                 .reject(format!("more than {MAX_ATTACHED} things are attached to one another"));
         }
         if self.station.hangs_on(to, body) {
-            return self.reject("a tool is attached to itself, by way of others or not");
+            return self.reject("a tool is attached to itself, directly or through other tools");
         }
         // The attached frame of the body coincides with the target frame.
         let spot_offset = match spot {
@@ -184,7 +184,7 @@ impl Robotics<'_> {
         let missing = self.station.bodies.get(body).filter(|body| body.missing.is_some());
         if let Some(name) = missing.map(|body| body.name.clone()) {
             self.note(format!(
-                "the data file has no template `{name}`: it is planned without load"
+                "the data file has no template `{name}`: `{name}` is planned without load"
             ));
         }
         self.load_changed()?;
@@ -399,7 +399,7 @@ impl Robotics<'_> {
             Some(_) if body.load.is_some() => {}
             Some(_) => {
                 self.note(format!(
-                    "what `{name}` weighs by its constructor is left out of the plan"
+                    "the weight of `{name}` in its constructor is left out of the plan"
                 ));
             }
         }
@@ -416,10 +416,10 @@ impl Robotics<'_> {
         let is_plain = body.class.as_deref().is_none_or(|class| class.contains(".geometricModel."));
         let (name, path) = (&body.name, &first.path);
         let text = if is_plain || body.frames.len() > 1 {
-            format!("`{name}` has no default motion frame: its root moves, and none of its frames")
+            format!("`{name}` has no default motion frame: its root is the TCP of its motions")
         } else {
             let text =
-                format!("`{name}` has no default motion frame: its only frame `{path}` moves");
+                format!("`{name}` has no default motion frame: its only frame `{path}` is the TCP");
             body.default = Some(0);
             text
         };

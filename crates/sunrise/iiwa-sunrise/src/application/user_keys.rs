@@ -21,8 +21,8 @@ impl Robotics<'_> {
         match name {
             "addUserKey" | "addDoubleUserKey" => {
                 self.note(
-                    "a key of the smartPAD is defined: what it does when it is pressed is \
-                    not evaluated",
+                    "a key of the smartPAD is defined: its action when it is pressed is not \
+                    evaluated",
                 );
                 robot(RobotValue::opaque("IUserKey"))
             }

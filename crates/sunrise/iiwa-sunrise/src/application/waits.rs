@@ -98,6 +98,51 @@ impl Robotics<'_> {
         Ok(Value::Null)
     }
 
+    /// Evaluates `waitFor` of an observer manager: a wait for a condition, with or without a time
+    /// limit. A condition that does not come true takes the whole time limit.
+    pub(crate) fn wait_for(&mut self, arguments: &[Value]) -> Result<Value, EvaluationStop> {
+        let condition = arguments.first().cloned().unwrap_or(Value::Null);
+        let [_, amount, unit] = arguments else {
+            let seconds = self.given_seconds("a wait for a condition")?;
+            self.wait_for_signal(&condition, seconds)?;
+            return Ok(Value::Null);
+        };
+        let limit_s = match crate::application::arguments::robot_value(unit) {
+            Some(RobotValue::Constant(unit)) => {
+                amount.number().and_then(|amount| unit.seconds(amount)).map(|limit| limit.max(0.0))
+            }
+            _ => None,
+        };
+        let fired = self.answer_condition("the condition of a wait");
+        match (&fired, limit_s) {
+            (Value::Boolean(false), Some(limit_s)) => {
+                if limit_s > 0.0 {
+                    self.wait(limit_s)?;
+                }
+            }
+            (Value::Boolean(false), None) => {
+                if let Value::Unknown(unknown) = amount {
+                    return self.reject_unknown("the time limit of this wait", unknown);
+                }
+                return self
+                    .reject("the time limit of this wait is not a number of a unit of time");
+            }
+            (_, Some(limit_s)) => {
+                let event = format!("a wait for a condition, of at most {limit_s} s");
+                let seconds = self.given_seconds(&event)?;
+                if seconds > limit_s {
+                    let place = self.place.to_string();
+                    return self.reject(format!(
+                        "`{place}` is given as {seconds}: this wait ends after {limit_s} s"
+                    ));
+                }
+                self.wait_for_signal(&condition, seconds)?;
+            }
+            (_, None) => self.take_given_time("a wait for a condition")?,
+        }
+        Ok(fired)
+    }
+
     /// Calls a method of a motion container.
     pub(crate) fn call_container(
         &mut self,

@@ -1,6 +1,6 @@
 //! Synchronous and asynchronous motions of the exported program.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, iter::zip};
 
 use iiwa_program::{Motion, MotionIndex, Program};
 
@@ -24,29 +24,33 @@ impl AwaitedMotions {
         let motions = &program.motions;
         let blends: Vec<bool> = (0..motions.len()).map(|index| blends(motions, index)).collect();
         let mut asynchronous = blends.clone();
-        let mut spans: Vec<(MotionIndex, usize)> = Vec::new();
+        let mut spans: Vec<WaitSpan> = Vec::new();
+        // Indices of the motions so far, and changes of the number of waits that overlap them.
+        let mut moves: Vec<usize> = Vec::new();
+        let mut overlaps = vec![0_i64; motions.len() + 1];
         for (wait, entry) in program.entries() {
-            let Motion::Wait { overlap: overlap @ 1.., .. } = entry else { continue };
-            let before = (0..wait.index()).rev().filter(|index| motions[*index].moves());
-            let overlapped: Vec<usize> = before.take(*overlap).collect();
-            for index in &overlapped {
-                asynchronous[*index] = true;
+            if entry.moves() {
+                moves.push(wait.index());
             }
-            spans.extend(overlapped.last().map(|first| (wait, *first)));
+            let first = moves.len().saturating_sub(entry.overlap());
+            if first < moves.len() {
+                overlaps[first] += 1;
+                overlaps[moves.len()] -= 1;
+                let before = first.checked_sub(1).map(|before| moves[before]);
+                spans.push(WaitSpan { wait, first: moves[first], before });
+            }
+        }
+        for (index, overlaps) in zip(&moves, sums(&overlaps)) {
+            asynchronous[*index] |= overlaps > 0;
         }
         // Number of spans that begin before each entry and contain it.
         let mut changes = vec![0_i64; motions.len() + 1];
-        for (wait, first) in &spans {
+        for WaitSpan { wait, first, .. } in &spans {
             changes[first + 1] += 1;
             changes[wait.index()] -= 1;
         }
-        let around = changes.iter().scan(0, |sum, change| {
-            *sum += change;
-            Some(*sum)
-        });
-        let around: Vec<i64> = around.collect();
-        for (wait, first) in &spans {
-            let before = (0..*first).rev().find(|index| motions[*index].moves());
+        let around: Vec<i64> = sums(&changes).collect();
+        for WaitSpan { wait, first, before } in &spans {
             if before.is_some_and(|before| blends[before]) || around[*first] > 0 {
                 return Err(ExportError::NotInSunrise {
                     motion: *wait,
@@ -56,7 +60,7 @@ impl AwaitedMotions {
                 });
             }
         }
-        let in_step = spans.into_iter().map(|(_, first)| first).collect();
+        let in_step = spans.into_iter().map(|span| span.first).collect();
         Ok(Self { asynchronous, blends, in_step })
     }
 
@@ -76,12 +80,29 @@ impl AwaitedMotions {
     }
 }
 
+/// A wait and the motions that it overlaps.
+struct WaitSpan {
+    wait: MotionIndex,
+    /// First of the overlapped motions.
+    first: usize,
+    /// Motion before the first one.
+    before: Option<usize>,
+}
+
+/// Sums of the changes up to and including each of them.
+fn sums(changes: &[i64]) -> impl Iterator<Item = i64> {
+    changes.iter().scan(0, |sum, change| {
+        *sum += change;
+        Some(*sum)
+    })
+}
+
 /// Returns true if a motion has a blend and another motion follows without a stop.
 fn blends(motions: &[Motion], index: usize) -> bool {
     let has_blend = match &motions[index] {
         Motion::Ptp(ptp) => ptp.blend.is_some(),
         Motion::Cartesian(cartesian) => cartesian.blend.is_some(),
-        Motion::Wait { .. } | Motion::Load(_) => false,
+        Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => false,
     };
     let mut next = motions.iter().skip(index + 1);
     has_blend && next.find(|entry| !entry.is_overlapping_wait()).is_some_and(Motion::moves)

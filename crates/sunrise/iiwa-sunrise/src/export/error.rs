@@ -1,7 +1,8 @@
 //! Errors and notices of an export.
 
-use std::fmt;
+use std::{fmt, slice};
 
+use iiwa_json::further_errors;
 use iiwa_program::{Fault, MotionIndex, NameFault};
 
 /// Error of exporting a program.
@@ -39,6 +40,26 @@ pub enum ExportError {
         /// Reason.
         why: &'static str,
     },
+    /// Several errors that are independent of each other, in the order of the motions; at most
+    /// [`MAX_ERRORS`](iiwa_program::MAX_ERRORS).
+    #[error("{}{}", .0[0], further_errors(.0.len() - 1))]
+    Several(Vec<Self>),
+}
+
+impl ExportError {
+    /// The independent errors: this one, or those of [`Several`](Self::Several).
+    #[must_use]
+    pub fn errors(&self) -> &[Self] {
+        match self {
+            Self::Several(errors) => errors,
+            error => slice::from_ref(error),
+        }
+    }
+
+    /// Error of a list with at least one error.
+    pub(super) fn several(mut errors: Vec<Self>) -> Self {
+        if errors.len() == 1 { errors.remove(0) } else { Self::Several(errors) }
+    }
 }
 
 fn motion_prefix(motion: Option<&MotionIndex>) -> String {

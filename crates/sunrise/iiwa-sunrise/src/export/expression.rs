@@ -176,13 +176,14 @@ impl MotionWriter<'_, '_> {
         if circ.aux_orientation != AuxOrientation::Consider {
             return self.not_in_sunrise(
                 "aux_orientation",
-                "it is not known how Sunrise is told; only `consider`, its default, is exported",
+                "only `consider`, the default of Sunrise, is exported: give `aux` angles (a \
+                 position alone has none), and leave `aux_orientation` out",
             );
         }
         if circ.extrapolates {
             return self.not_in_sunrise(
                 "end_orientation",
-                "it is not known how Sunrise is told; only `interpolate`, its default, is exported",
+                "the Sunrise setting is not known; only `interpolate`, its default, is exported",
             );
         }
         self.imports.basic_motion("circ");

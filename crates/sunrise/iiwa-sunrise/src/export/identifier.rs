@@ -94,7 +94,7 @@ const CLASSES: [&str; 26] = [
 /// Returns the class name for a program called `name`: its words joined, each with a capital.
 pub(super) fn class_of(name: &str) -> String {
     let mut class = String::new();
-    for word in words(name) {
+    for word in words(&in_ascii(name)) {
         let (first, rest) = word.split_at(1);
         class.extend([&first.to_ascii_uppercase(), rest]);
     }
@@ -126,19 +126,24 @@ pub(super) fn check_class(name: &str) -> Result<(), ExportError> {
     Ok(())
 }
 
+/// Returns true for a name that can be a part of an identifier.
+pub(super) fn is_name_part(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
 /// Assigns unique names to variables.
 pub(super) struct VariableNames(BTreeSet<String>);
 
 impl VariableNames {
     /// Reserves the names in `taken`.
-    pub(super) fn besides(taken: &[&str]) -> Self {
-        Self(taken.iter().map(|name| (*name).to_owned()).collect())
+    pub(super) fn besides(taken: impl IntoIterator<Item = String>) -> Self {
+        Self(taken.into_iter().collect())
     }
 
     /// Returns a variable name for an item called `name`.
     pub(super) fn give(&mut self, name: &str) -> String {
         let mut wanted = String::new();
-        for word in words(name) {
+        for word in words(&in_ascii(name)) {
             let (first, rest) = word.split_at(1);
             let first = if wanted.is_empty() {
                 first.to_ascii_lowercase()
@@ -163,7 +168,26 @@ impl VariableNames {
     }
 }
 
-/// Returns the runs of ASCII letters and digits, which every encoding has.
+/// Replaces German letters as in addresses of web sites. File names of classes and variables have
+/// ASCII letters only, which every encoding has.
+fn in_ascii(name: &str) -> String {
+    let mut ascii = String::with_capacity(name.len());
+    for letter in name.chars() {
+        match letter {
+            'ä' => ascii.push_str("ae"),
+            'ö' => ascii.push_str("oe"),
+            'ü' => ascii.push_str("ue"),
+            'Ä' => ascii.push_str("Ae"),
+            'Ö' => ascii.push_str("Oe"),
+            'Ü' => ascii.push_str("Ue"),
+            'ß' => ascii.push_str("ss"),
+            _ => ascii.push(letter),
+        }
+    }
+    ascii
+}
+
+/// Returns the runs of ASCII letters and digits.
 fn words(name: &str) -> impl Iterator<Item = &str> {
     name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty())
 }
@@ -181,6 +205,7 @@ mod tests {
             ("frame", "ProgramFrame"),
             ("", "MotionProgram"),
             ("溶接", "MotionProgram"),
+            ("Käfig öffnen", "KaefigOeffnen"),
             ("iiwa7R800", "Iiwa7R800"),
         ] {
             assert_eq!(class_of(name), class);
@@ -193,7 +218,7 @@ mod tests {
 
     #[test]
     fn variables_differ() {
-        let mut variables = VariableNames::besides(&["lbr"]);
+        let mut variables = VariableNames::besides(["lbr".to_owned()]);
         let given = ["Gripper", "gripper", "LBR", "lbr", "new", "2 jaws", "Ø"]
             .map(|name| variables.give(name));
         assert_eq!(given, ["gripper", "gripper_2", "lBR", "lbr_2", "new_", "tool2Jaws", "tool"]);

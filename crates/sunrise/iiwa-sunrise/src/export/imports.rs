@@ -7,6 +7,8 @@ use std::{collections::BTreeSet, fmt::Write as _};
 pub(super) struct ExportedImports {
     basic_motions: BTreeSet<&'static str>,
     classes: BTreeSet<&'static str>,
+    /// Classes that Sunrise Workbench generates for the project.
+    generated: BTreeSet<String>,
 }
 
 impl ExportedImports {
@@ -20,6 +22,11 @@ impl ExportedImports {
         self.classes.insert(name);
     }
 
+    /// Imports a class that Sunrise Workbench generates, by its full name.
+    pub(super) fn generated(&mut self, name: String) {
+        self.generated.insert(name);
+    }
+
     /// Returns the import lines at the head of the class.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
@@ -29,8 +36,10 @@ impl ExportedImports {
                 "import static com.kuka.roboticsAPI.motionModel.BasicMotions.{method};"
             );
         }
+        let generated = self.generated.iter().map(String::as_str);
+        let classes: BTreeSet<&str> = self.classes.iter().copied().chain(generated).collect();
         let (java, others): (Vec<&str>, Vec<&str>) =
-            self.classes.iter().partition(|name| name.starts_with("java"));
+            classes.iter().partition(|name| name.starts_with("java"));
         for group in [java, others] {
             if !text.is_empty() && !group.is_empty() {
                 text.push('\n');

@@ -64,13 +64,15 @@ pub(super) fn text(text: &str) -> String {
     literal
 }
 
-/// Formats a text within a comment: without the end of the comment, and without escapes, which Java
-/// processes even in comments.
+/// Formats a text within a comment, in UTF-8: without the end of the comment, without escapes,
+/// which Java processes even in comments, and without characters that control lines or the
+/// direction of text. In a file that is read in another encoding, comments only look different.
 pub(super) fn comment(text: &str) -> String {
     let plain = |c: char| match c {
         '\\' => '/',
-        ' '..='~' => c,
-        _ => '?',
+        '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}' => '?',
+        c if c.is_control() => '?',
+        c => c,
     };
     text.chars().map(plain).collect::<String>().replace("*/", "* /")
 }
@@ -96,7 +98,8 @@ mod tests {
     fn strings_have_no_characters_that_an_encoding_may_lack() {
         assert_eq!(text("Käfig \"2\"\\\n"), r#""K\u00e4fig \"2\"\\\n""#);
         assert_eq!(text("\u{1f916}"), r#""\ud83e\udd16""#);
-        assert_eq!(comment("a\\u002a/ */ ü"), "a/u002a/ * / ?");
+        assert_eq!(comment("a\\u002a/ */ Glühofen 溶接\r"), "a/u002a/ * / Glühofen 溶接?");
+        assert_eq!(comment("a\u{202e}b"), "a?b");
     }
 
     #[test]

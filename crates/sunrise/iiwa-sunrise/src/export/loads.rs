@@ -35,7 +35,7 @@ impl<'p> AttachedTools<'p> {
         let mut before: Option<Vec<AtFlange<'p>>> = None;
         let mut all = Vec::with_capacity(tools.len());
         for (index, motion) in program.motions.iter().enumerate() {
-            let is_wait = matches!(motion, Motion::Wait { .. });
+            let is_wait = motion.wait_s().is_some();
             let needed = || attached(workcell, tools[index].and_then(tool_part), loads[index]);
             let now = match before {
                 Some(before) if is_wait || serves(workcell, &before, &needed()) => before,
@@ -75,7 +75,7 @@ fn attached<'p>(
     tool: Option<&'p str>,
     load: Option<Load>,
 ) -> Vec<AtFlange<'p>> {
-    let own_load = |name: &str| workcell.tools.get(name).and_then(|tool| tool.load);
+    let own_load = |name: &str| Some(workcell.tools.get(name)?.load.as_ref()?.load);
     let attached = |tool| AtFlange { tool: Some(tool), load: None };
     let in_use = workcell.tool.as_deref().and_then(tool_part);
     let by_that_in_use = || in_use.filter(|in_use| own_load(in_use) == load);

@@ -11,6 +11,8 @@ use super::{
     identifier::VariableNames,
     literal::text,
     loads::{AtFlange, tool_part},
+    loops::LOOP_VARIABLES,
+    signals::fields,
 };
 
 /// Tools of a program, and the ones that are attached.
@@ -41,7 +43,8 @@ impl<'p> ExportedTools<'p> {
             taken.insert(called.clone());
             templates.insert(name.as_str(), ExportedTool::new(called, tool));
         }
-        let variables = VariableNames::besides(&["lbr", "sent"]);
+        let known = ["lbr", "sent"].into_iter().chain(LOOP_VARIABLES).map(str::to_owned);
+        let variables = VariableNames::besides(known.chain(fields(program)));
         Self { workcell, templates, taken, variables, used: Vec::new() }
     }
 
@@ -102,7 +105,8 @@ impl<'p> ExportedTools<'p> {
     pub(super) fn templates(&self) -> Vec<ToolTemplate> {
         let tool = |name: &str| self.workcell.tools.get(name);
         let unloaded = self.templates.iter().map(|(name, template)| {
-            template.with_load(&template.name, tool(name).and_then(|tool| tool.load))
+            let load = tool(name).and_then(|tool| Some(tool.load.as_ref()?.load));
+            template.with_load(&template.name, load)
         });
         let loaded = self.used.iter().filter(|used| used.item.load.is_some()).map(|used| {
             let AtFlange { tool, load } = &used.item;

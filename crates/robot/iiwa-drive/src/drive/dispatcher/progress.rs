@@ -186,7 +186,8 @@ impl<C> Dispatcher<C> {
                 self.fail(run, error, now);
             }
         }
-        // After `finish`, so that a run that has just ended does not delay the replies to stops.
+        // Runs after `finish`, so that a completed run does not delay replies to stop
+        // requests.
         self.reply_to_stoppers(now);
         self.send_next(now);
         self.reject_overdue(now);

@@ -10,7 +10,6 @@ use iiwa_link::{
     },
     robot_program::{Instruction, RunId},
 };
-use iiwa_program::{MotionList, Sources};
 
 use super::state::{
     Dispatcher, DispatcherOutput, IncomingRequest, Purpose, QueryKind, Requester, RunStage,
@@ -164,8 +163,7 @@ impl<C> Dispatcher<C> {
         self.outputs.push(DispatcherOutput::Fri(FriCommand::Publish(kind)));
         match task {
             RunTask::Motions(motions) => {
-                // The robot program refuses unknown keys, and does not use the sources.
-                let motions = MotionList { sources: Sources::default(), ..*motions };
+                let motions = motions.for_robot_program();
                 self.instruct(Instruction::RunMotions { run, motions }, Purpose::Plan(run), now);
             }
             RunTask::Trajectory(trajectory) => {

@@ -32,7 +32,10 @@ impl<C> Dispatcher<C> {
     /// Handles the disconnection of a client: its queries are withdrawn, and so is its run unless
     /// the run has begun.
     pub(in crate::drive) fn disconnected(&mut self, is_client: impl Fn(&C) -> bool, now: Instant) {
-        let of_client = |purpose: &Purpose<C>, _| matches!(purpose, Purpose::Query(requester, _) if is_client(&requester.client));
+        let of_client = |purpose: &Purpose<C>, _| match purpose {
+            Purpose::Query(requester, _) => is_client(&requester.client),
+            _ => false,
+        };
         self.instructions.withdraw(of_client);
         self.stoppers.retain(|(requester, _)| !is_client(&requester.client));
         let waiting = match &self.stage {

@@ -68,7 +68,7 @@ final class Keys {
     boolean has(String name) throws Refusal {
         known.add(name);
         if (twice.contains(name)) {
-            throw wrong("the key `" + Messages.excerpt(name) + "` is there twice");
+            throw wrong("the key `" + Messages.excerpt(name) + "` appears twice");
         }
         return object.get(name) != null;
     }

@@ -111,7 +111,7 @@ public final class Settings {
         String name = content.substring(0, equals).trim();
         String value = content.substring(equals + 1).trim();
         if (lines.containsKey(name)) {
-            throw wrong(number, "`" + name + "` is there already, at line " + lines.get(name));
+            throw wrong(number, "`" + name + "` is already set, at line " + lines.get(name));
         }
         lines.put(name, number);
         if (name.startsWith("input.") || name.startsWith("output.")) {

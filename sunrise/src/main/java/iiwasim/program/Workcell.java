@@ -204,7 +204,7 @@ final class Workcell {
             next = placed.base == null ? ROBOT : placed.base;
         }
         throw Refusal.bad(
-            "the base `" + Messages.excerpt(next) + "` is given in itself, by way of its own base");
+            "the base `" + Messages.excerpt(next) + "` refers to itself through its own base");
     }
 
     /**

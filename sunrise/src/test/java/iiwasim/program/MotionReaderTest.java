@@ -12,9 +12,10 @@ import org.junit.Test;
 public class MotionReaderTest {
     private static final String CELL =
         "\"tools\":{\"gripper\":{\"tcp\":{\"z_mm\":120},\"tips\":{\"left\":{\"x_mm\":5}}}},"
-        + "\"tool\":\"gripper\",\"bases\":{\"table\":{\"x_mm\":500},\"tray\":{\"base\":\"table\",\"y_mm\":10}},"
-        + "\"frames\":{\"pick\":{\"base\":\"tray\",\"x_mm\":0,\"y_mm\":0,\"z_mm\":150,\"a_deg\":0,\"b_deg\":180,"
-        + "\"c_deg\":0,\"e1_deg\":90,\"status\":2}},";
+        + "\"tool\":\"gripper\","
+        + "\"bases\":{\"table\":{\"x_mm\":500},\"tray\":{\"base\":\"table\",\"y_mm\":10}},"
+        + "\"frames\":{\"pick\":{\"base\":\"tray\",\"x_mm\":0,\"y_mm\":0,\"z_mm\":150,"
+        + "\"a_deg\":0,\"b_deg\":180,\"c_deg\":0,\"e1_deg\":90,\"status\":2}},";
 
     private static MotionList read(String motions) throws Refusal {
         String text = "{" + CELL + "\"motions\":[" + motions.replace('\'', '"') + "]}";
@@ -40,7 +41,8 @@ public class MotionReaderTest {
     @Test
     public void pointToPointMotions() throws Refusal {
         Motion motion =
-            one("{'type':'ptp','joints_deg':[90,0,0,0,0,0,0],'velocity_rel':0.5,'blend':{'fraction':0.25}}");
+            one("{'type':'ptp','joints_deg':[90,0,0,0,0,0,0],'velocity_rel':0.5,"
+                + "'blend':{'fraction':0.25}}");
         assertEquals(Math.PI / 2, motion.jointsRad[0], 1e-12);
         assertArrayEquals(
             new double[] {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, motion.limits.velocityRel(), 0);
@@ -140,7 +142,7 @@ public class MotionReaderTest {
             MotionReader.read(new Keys(Keys.parse(text), ""), Keys.parse(text));
             fail();
         } catch (Refusal refusal) {
-            assertTrue(refusal.getMessage(), refusal.getMessage().contains("given in itself"));
+            assertTrue(refusal.getMessage(), refusal.getMessage().contains("refers to itself"));
         }
     }
 }

@@ -212,10 +212,12 @@ public class ProgramTest {
     public void statesSayWhoSpeaksAndUnderWhichConditions() {
         JsonObject state = state();
         assertEquals(42, state.getInt("boot", 0));
-        assertEquals("{\"operation_mode\":\"t1\",\"override\":0.5,\"safety_stop\":false,\"tool\":\"gripper\"}",
+        assertEquals("{\"operation_mode\":\"t1\",\"override\":0.5,\"safety_stop\":false,"
+                + "\"tool\":\"gripper\"}",
             state.get("conditions").toString());
         assertEquals("1.16", state.get("hello").asObject().getString("sunrise", ""));
-        assertEquals("{\"model\":\"lbr_iiwa_14_r820\",\"lengths_mm\":{\"base\":360,\"upper_arm\":420,\"forearm\":400,\"flange\":126}}",
+        assertEquals("{\"model\":\"lbr_iiwa_14_r820\",\"lengths_mm\":{\"base\":360,"
+                + "\"upper_arm\":420,\"forearm\":400,\"flange\":126}}",
             state.get("hello").asObject().get("robot").toString());
         assertEquals(Program.PROTOCOL, state.get("hello").asObject().getInt("protocol", 0));
         // Only a simulated robot reports this: clients move its joints without confirmation.
@@ -241,9 +243,11 @@ public class ProgramTest {
 
     @Test
     public void valuesKeepTheirTypes() {
-        assertEquals("{\"seq\":2,\"sensors\":{\"joint_temperature_c\":null,\"external_torque_nm\":[0,0,0,0,0,0,0]}}",
+        assertEquals("{\"seq\":2,\"sensors\":{\"joint_temperature_c\":null,"
+                + "\"external_torque_nm\":[0,0,0,0,0,0,0]}}",
             program.instruct("{\"seq\":2,\"type\":\"read_sensors\"}"));
-        assertEquals("{\"seq\":2,\"io\":[{\"name\":\"a.b\",\"direction\":\"output\",\"value\":0.0}]}",
+        assertEquals(
+            "{\"seq\":2,\"io\":[{\"name\":\"a.b\",\"direction\":\"output\",\"value\":0.0}]}",
             program.instruct("{\"seq\":2,\"type\":\"list_io\"}"));
         for (String value : new String[] {"true", "3", "0", "-0.5", "2.0"}) {
             String set = "{\"seq\":2,\"type\":\"set_io\",\"name\":\"a.b\",\"value\":" + value + "}";

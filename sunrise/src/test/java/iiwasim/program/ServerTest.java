@@ -158,7 +158,8 @@ public class ServerTest {
         assertEquals("127.0.0.1", server.peer());
         for (Peer stranger : strangers) {
             stranger.send(
-                "{\"seq\":4,\"type\":\"set_io\",\"name\":\"MediaFlange.LEDBlue\",\"value\":true}".getBytes("UTF-8"));
+                "{\"seq\":4,\"type\":\"set_io\",\"name\":\"MediaFlange.LEDBlue\",\"value\":true}"
+                    .getBytes("UTF-8"));
         }
         for (Peer stranger : strangers) {
             assertNull(stranger.answer(0.5));

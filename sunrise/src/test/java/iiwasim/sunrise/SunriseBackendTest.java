@@ -138,9 +138,11 @@ public class SunriseBackendTest {
     @Test
     public void motionsBecomeOneBatch() throws Exception {
         open("");
-        run("", "{'type':'ptp','joints_deg':[10,0,0,0,0,0,0],'velocity_rel':0.5,'blend':{'fraction':0.25}},"
-            + "{'type':'ptp','joints_deg':[20,0,0,0,0,0,0],'velocity_rel':[1,1,1,1,1,1,0.5],'jerk_rel':0.3,"
-            + "'acceleration_rel':[1,1,1,1,1,0.9,1],'blend':{'cart_mm':30}}," + ptp(0));
+        run("", "{'type':'ptp','joints_deg':[10,0,0,0,0,0,0],'velocity_rel':0.5,"
+            + "'blend':{'fraction':0.25}},"
+            + "{'type':'ptp','joints_deg':[20,0,0,0,0,0,0],'velocity_rel':[1,1,1,1,1,1,0.5],"
+            + "'jerk_rel':0.3,'acceleration_rel':[1,1,1,1,1,0.9,1],'blend':{'cart_mm':30}},"
+            + ptp(0));
         awaitContainers(1);
         String what = robot.containers.get(0).what;
         assertEquals("flange: MotionBatch motion(PTP to(0.17453292519943295..0.0) "
@@ -178,7 +180,8 @@ public class SunriseBackendTest {
         run(TOOLS, "{'type':'ptp','frame':" + FRAME + ",'blend':{'cart_mm':30}},"
             + "{'type':'lin','frame':" + FRAME
             + ",'cart_velocity_mm_s':250,'cart_acceleration_mm_s2':1000,'cart_jerk_mm_s3':9000,"
-            + "'orientation_velocity_deg_s':180,'orientation':'constant','blend':{'cart_mm':20,'ori_deg':180}},"
+            + "'orientation_velocity_deg_s':180,'orientation':'constant',"
+            + "'blend':{'cart_mm':20,'ori_deg':180}},"
             + "{'type':'lin_rel','offset':{'z_mm':-5},'velocity_rel':0.1},"
             + "{'type':'circ','aux':" + FRAME + ",'frame':" + FRAME
             + ",'orientation_reference':'path'},"

@@ -1,0 +1,21 @@
+//! Programs of Sunrise applications, with or without the feature `sunrise`.
+
+use std::path::Path;
+
+use crate::{args::Answering, failure::Failure, input::Input};
+
+/// Imports the program of a Sunrise application from the folder of its project; `robot` overrides
+/// the project's own robot.
+pub(crate) fn application(
+    project: &Path,
+    answering: &Answering,
+    robot: Option<&str>,
+) -> Result<Input, Failure> {
+    #[cfg(feature = "sunrise")]
+    return crate::sunrise::program(project, answering, robot);
+    #[cfg(not(feature = "sunrise"))]
+    {
+        let _ = (project, answering, robot);
+        Err(crate::features::SUNRISE.missing("the application of a Sunrise project"))
+    }
+}

@@ -1,0 +1,205 @@
+//! Inputs and outputs: import of Java code, and round trips.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+use iiwa_kin::Robot;
+use iiwa_program::{IoEntry, IoValue, Motion, Program};
+use iiwa_sunrise::{
+    ExportError, ExportOptions, ExportedProject, Import, ImportOptions, Project, import,
+};
+
+const HEAD: &str = r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },"#;
+const PTP: &str = r#"{ "type": "ptp", "joints_deg": [40, 30, 0, -60, 0, 90, 0] }"#;
+const BACK: &str = r#"{ "type": "ptp", "joints_deg": [0, 30, 0, -60, 0, 90, 0] }"#;
+
+fn program(motions: &[&str]) -> Program {
+    Program::from_json(&format!(r#"{HEAD} "motions": [{}] }}"#, motions.join(", "))).unwrap()
+}
+
+fn exported(program: &Program) -> Result<ExportedProject, ExportError> {
+    let options = ExportOptions { name: "pick".to_owned(), ..ExportOptions::default() };
+    ExportedProject::new(program, &Robot::default(), &options)
+}
+
+fn round_trip(program: &Program) -> (Program, String) {
+    let project = exported(program).unwrap();
+    let java = project.java_file();
+    let files = [(java.as_str(), &project.java), (ExportedProject::DATA_FILE, &project.data_file)];
+    let again = Project::from_texts(files).unwrap();
+    (import(&again, None, &ImportOptions::default()).unwrap().program, project.java)
+}
+
+/// Imports an application with a group `Gripper` as `io` and the statements `run`.
+fn imported(run: &str) -> Import {
+    let java = format!(
+        "package application;\n\
+         import com.kuka.roboticsAPI.applicationModel.RoboticsAPIApplication;\n\
+         import com.kuka.roboticsAPI.deviceModel.LBR;\n\
+         import com.kuka.generated.ioAccess.GripperIOGroup;\n\
+         import static com.kuka.roboticsAPI.motionModel.BasicMotions.*;\n\
+         import javax.inject.Inject;\n\
+         public class Pick extends RoboticsAPIApplication {{\n\
+         @Inject private LBR lbr;\n@Inject private GripperIOGroup io;\n\
+         public void run() {{\n{run}\n}} }}\n"
+    );
+    let project = Project::from_texts([("src/application/Pick.java", &java)]).unwrap();
+    import(&project, None, &ImportOptions::default()).unwrap()
+}
+
+fn signals(import: &Import) -> Vec<IoEntry> {
+    import.program.motions.iter().filter_map(Motion::io).cloned().collect()
+}
+
+const MOVE: &str = "lbr.move(ptp(0.5, 0, 0, -1, 0, 1, 0));";
+const MOVE_BACK: &str = "lbr.move(ptp(0, 0, 0, -1, 0, 1, 0));";
+
+#[test]
+fn a_program_comes_back() {
+    let closed =
+        r#"{ "type": "wait_for", "io": "Gripper.Closed", "value": true, "seconds": 0.35 }"#;
+    let opened = closed.replace("true", "false").replace("0.35", "0.123456789");
+    let mut program = program(&[
+        r#"{ "type": "set", "io": "Lamp.Colour", "value": 3 }"#,
+        PTP,
+        r#"{ "type": "set", "io": "Gripper.Close", "value": true, "name": "close" }"#,
+        closed,
+        r#"{ "type": "set", "io": "Belt.Speed", "value": -0.5 }"#,
+        BACK,
+        r#"{ "type": "set", "io": "Gripper.Close", "value": false }"#,
+        &opened,
+        closed,
+    ]);
+    for motion in &mut program.motions {
+        if let Motion::Ptp(ptp) = motion {
+            ptp.blocking = true;
+        }
+    }
+    let (again, java) = round_trip(&program);
+    assert_eq!(again.motions, program.motions, "{java}");
+    assert!(java.contains("import com.kuka.generated.ioAccess.GripperIOGroup;"), "{java}");
+    assert!(java.contains("    @Inject\n    private GripperIOGroup ioGripper;"), "{java}");
+    assert!(java.contains("        // close\n        ioGripper.setClose(true);"), "{java}");
+    assert!(java.contains("while (!ioGripper.getClosed()) { // iiwasim: 0.35 s"), "{java}");
+    assert!(java.contains("while (ioGripper.getClosed()) { // iiwasim: 0.123456789 s"), "{java}");
+    assert!(java.contains("ioLamp.setColour(3);") && java.contains("ioBelt.setSpeed(-0.5);"));
+}
+
+#[test]
+fn overlapping_entries_come_back() {
+    let blended = PTP.replace(" }", r#", "blend": { "cart_mm": 20 } }"#);
+    let program = program(&[
+        &blended,
+        r#"{ "type": "set", "io": "Gripper.Close", "value": true, "overlap": true }"#,
+        r#"{ "type": "wait_for", "io": "Gripper.Closed", "value": true, "seconds": 0.01,
+             "overlap": true }"#,
+        &BACK.replace(" }", r#", "blocking": true }"#),
+    ]);
+    let (again, java) = round_trip(&program);
+    assert_eq!(again.motions, program.motions, "{java}");
+}
+
+#[test]
+fn names_and_values_without_a_java_equivalent_are_refused() {
+    for (motion, expected) in [
+        (r#"{ "type": "set", "io": "Close", "value": true }"#, "motion 1: `io`: name the group"),
+        (r#"{ "type": "set", "io": "A.B.C", "value": true }"#, "motion 1: `io`: group and signal"),
+        (r#"{ "type": "set", "io": "1A.B", "value": true }"#, "motion 1: `io`: group and signal"),
+        (
+            r#"{ "type": "wait_for", "io": "A.B", "value": 3, "seconds": 1 }"#,
+            "motion 1: `value`: a wait for a number is not exported",
+        ),
+    ] {
+        let error = exported(&program(&[motion])).unwrap_err().to_string();
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
+
+#[test]
+fn setters_become_entries_that_do_not_change_the_time() {
+    let run = format!("{MOVE}\nio.setClose(true);\n{MOVE_BACK}\nio.setPower(7);");
+    let import = imported(&run);
+    let close = IoEntry::set("Gripper.Close", IoValue::Boolean(true));
+    assert_eq!(signals(&import), [close, IoEntry::set("Gripper.Power", IoValue::Digital(7))]);
+    assert!(matches!(import.program.motions[1], Motion::Io(_)));
+    let plain = imported(&format!("{MOVE}\n{MOVE_BACK}"));
+    let motions = import.program.motions.into_iter().filter(|motion| motion.io().is_none());
+    assert_eq!(motions.collect::<Vec<_>>(), plain.program.motions);
+}
+
+#[test]
+fn loops_that_wait_for_an_input_become_waits() {
+    let wait = |condition: &str, time: &str| {
+        format!("while ({condition}) {{ {time}\nThread.sleep(10);\n}}\n")
+    };
+    let run = wait("!io.getClosed()", "// iiwasim: 0.3 s") + MOVE + &wait("io.getClosed()", "");
+    let import = imported(&run);
+    let [closed, opened] = [(true, 0.3), (false, 0.0)]
+        .map(|(value, s)| IoEntry::wait_for("Gripper.Closed", IoValue::Boolean(value), s));
+    assert_eq!(signals(&import), [closed, opened]);
+}
+
+#[test]
+fn waits_of_an_observer_for_an_input_become_waits() {
+    let condition = "new BooleanIOCondition(io.getInput(\"Closed\"), true)";
+    let run = format!(
+        "{MOVE}\ngetObserverManager().waitFor({condition}); // iiwasim: 0.25 s\n\
+         getObserverManager().waitFor({condition}.invert());\n\
+         getObserverManager().waitFor({condition}.and({condition})); // iiwasim: 1 s"
+    );
+    let import = imported(&run);
+    let [closed, opened] = [(true, 0.25), (false, 0.0)]
+        .map(|(value, s)| IoEntry::wait_for("Gripper.Closed", IoValue::Boolean(value), s));
+    assert_eq!(signals(&import), [closed, opened]);
+    assert_eq!(import.program.motions.last(), Some(&Motion::Wait { seconds: 1.0, overlap: 0 }));
+}
+
+#[test]
+fn loops_that_do_more_than_wait_get_a_note() {
+    let blink = "io.setBlink(true); Thread.sleep(100); io.setBlink(false);";
+    for (run, why) in [
+        (format!("while (!io.getClosed()) {{ {blink} }}"), "its body does more than sleep"),
+        (
+            "int n = 0; while (!io.getClosed() && n < 10) { Thread.sleep(10); n++; }".to_owned(),
+            "its condition is more than the value of the input",
+        ),
+        (
+            "for (int n = 0; !io.getClosed(); n++) { Thread.sleep(10); }".to_owned(),
+            "its body does more than sleep",
+        ),
+    ] {
+        let import = imported(&format!("{MOVE}\n{run}"));
+        assert_eq!(signals(&import), [], "{run}");
+        let expected =
+            format!("by the input `Gripper.Closed`, and the program does not wait for it: {why}");
+        assert!(
+            import.notes.iter().any(|note| note.text.contains(&expected)),
+            "{:?}",
+            import.notes
+        );
+    }
+}
+
+#[test]
+fn a_loop_that_sleeps_before_its_test_becomes_a_wait() {
+    let import = imported(&format!("{MOVE}\ndo {{ Thread.sleep(100); }} while (!io.getClosed());"));
+    let waits = &import.program.motions[import.program.motions.len() - 2..];
+    let closed = IoEntry::wait_for("Gripper.Closed", IoValue::Boolean(true), 0.0);
+    assert_eq!(waits, [Motion::Wait { seconds: 0.1, overlap: 0 }, Motion::Io(closed)]);
+}
+
+#[test]
+fn losses_of_an_export_are_notices() {
+    let program = program(&[
+        r#"{ "type": "set", "io": "A.B", "value": true }"#,
+        r#"{ "type": "wait_for", "io": "A.B", "value": true, "seconds": 0.1 }"#,
+        r#"{ "type": "wait_for", "io": "A.C", "value": true, "seconds": 0.1 }"#,
+        r#"{ "type": "load", "load": { "mass_kg": 2, "shapes": [
+             { "type": "sphere", "center_mm": [0, 0, 60], "radius_mm": 40 } ] } }"#,
+        PTP,
+    ]);
+    let notices: Vec<String> =
+        exported(&program).unwrap().notices.iter().map(ToString::to_string).collect();
+    let [wait, shapes] = &notices[..] else { panic!("{notices:?}") };
+    assert!(wait.starts_with("motion 2: `io`: the program sets `A.B` before"), "{wait}");
+    assert_eq!(shapes, "motion 4: `shapes`: Sunrise loads have no shapes: they are left out");
+}
