@@ -1,7 +1,5 @@
 //! Shapes that a program carries: reports of recordings, and mesh files that are refused.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::fs::{self, File};
 
 use predicates::str::contains;
