@@ -9,14 +9,16 @@ use super::{LogReading, values::at_least_0};
 /// Compare a recording with a plan: cycle time error, path deviation, and torques if recorded.
 ///
 /// The cycle time error is the planned time minus the measured time, in s and in per cent of the
-/// measured time. The measured time is the time from leaving the start to arriving at the end,
-/// however long the recording is, plus the planned standstill before the first and after the last
-/// motion: the planned time includes this standstill, and joint positions do not show it. The time
-/// of each motion is compared between the planned start and end positions of the motion.
+/// measured time. A recording shows when the arm leaves the start and reaches the end, but not how
+/// long the arm waits there. The measured time is therefore the time from start to end, plus the
+/// planned standstill before the first and after the last motion. A motion is timed from the
+/// instant at which the arm passes its planned start to the instant at which it passes its planned
+/// end.
 ///
-/// The path is compared regardless of time: by the distance of each sample to the nearest point of
-/// the planned path, in joint space (Euclidean norm of the seven angles) and at the flange, as mean
-/// along the path and maximum. Noise of the recording counts as distance.
+/// The path is compared regardless of time. Two distances of each sample from the nearest point of
+/// the planned path are computed: in joint space (Euclidean norm of the seven angles), and at the
+/// flange. The mean along the path and the maximum of each are printed. Noise of the recording
+/// counts as distance.
 ///
 /// If the recording contains several runs of the program, the first run is used. A recording whose
 /// path is far from the plan's, or that contains only a part of the program, is rejected.

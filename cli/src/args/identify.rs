@@ -8,25 +8,28 @@ use super::{LogReading, log_reading::COMMANDED_PREFERRED, values::override_perce
 
 /// Identify a robot's limits, settling time and blend curves from recordings.
 ///
-/// Each recording is followed along the path of its program, one section between two stops at a
-/// time. Limits are identified from PTP motions from rest to rest: the whole motion is fitted
-/// instead of differentiated, so that noise averages out. Long motions of single joints at full
-/// speed are the most useful; a motion of several joints is used if only one of these joints can
-/// have limited it. If constant jerk does not explain a motion, Sunrise's ramps with constant snap
-/// are fitted, and their limits are identified: those of snap, and of starts and stops (`ramps` in
-/// the profile). The settling time is identified from the stops between such motions.
+/// Each recording is matched with the path of its program, section by section (a section is the
+/// part between two stops). Limits are identified from PTP motions from rest to rest: a model is
+/// fitted to the whole motion, and nothing is differentiated, so that noise averages out. Long
+/// motions of single joints at full speed are the most useful; a motion of several joints is used
+/// only if a single joint can have been the limiting one. If constant jerk does not fit a motion,
+/// ramps with constant snap (the derivative of jerk), as in Sunrise's motions, are fitted. Their
+/// limits of snap, and those of starts and stops, become `ramps` of the profile. The settling time
+/// is identified from the stops between such motions.
 ///
-/// kappa, the shape of blends, is identified from the path of each blend, regardless of time:
-/// between PTP motions in joint space (`blend_kappa` in the profile), between LIN motions from the
-/// TCP path (`tcp_blend_kappa`). From measured torques, payload and friction are identified.
+/// kappa is a number that describes the shape of a blend. It is identified from the path alone,
+/// regardless of time: in joint space for blends between PTP motions (`blend_kappa` in the
+/// profile), and from the TCP path for blends between LIN motions (`tcp_blend_kappa`). From
+/// measured torques, payload and friction are identified.
 ///
-/// The recorded orientation and E1 on TCP paths, and blends between PTP motions and TCP paths, are
-/// compared with iiwasim's assumptions. This comparison is useful only if the robot's controller
-/// planned the motions: set-points that a drive has streamed follow the path that iiwasim planned.
+/// The recorded orientation and redundancy angle (E1) on TCP paths, and blends between PTP motions
+/// and TCP paths, are compared with iiwasim's assumptions. This comparison is useful only if the
+/// robot's controller planned the motions: set-points that a drive has streamed follow the path
+/// that iiwasim planned.
 ///
 /// Each figure has its uncertainty, half of the 95 % confidence interval, and the number of
 /// observations. Parameters that the recordings do not determine keep the values of the model. In a
-/// `DataRecorder` log, commanded positions are preferred: measured positions lag by some ms, and
+/// `DataRecorder` log, commanded positions are preferred: measured positions lag by a few ms, and
 /// the jerk identified from them is too low.
 ///
 /// The resulting profile works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` runs
@@ -44,7 +47,7 @@ pub(crate) struct Identify {
     #[arg(long, value_name = "PROGRAM.json")]
     pub(crate) program: Option<PathBuf>,
 
-    /// Built-in model or robot profile for lengths, joint ranges and all figures that are not
+    /// Built-in model or robot profile for link lengths, joint ranges and all figures that are not
     /// identified [default: the robot of the recordings or of their programs]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
@@ -57,7 +60,7 @@ pub(crate) struct Identify {
     #[arg(long, conflicts_with = "no_output")]
     pub(crate) overwrite: bool,
 
-    /// Print the figures only, write no profile
+    /// Only print the figures; write no profile
     #[arg(long, conflicts_with_all = ["output", "name"])]
     pub(crate) no_output: bool,
 

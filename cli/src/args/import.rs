@@ -10,21 +10,23 @@ use super::Answering;
 ///
 /// Given a project folder, an application is evaluated without a robot, and its motion program is
 /// written, with file and line of each motion. The robot and its flange are read from the project;
-/// if the project does not state them, `lbr_iiwa_7_r800` and 152 mm are assumed. Both are then
-/// listed among the questions, which --robot and --flange-mm answer. Dialogs, inputs and process
-/// data are answered by options or by an answers file; each question is listed with its answer. An
-/// application whose motions depend on values known only at run time is rejected, with file, line
-/// and reason. If the project has several applications, they are listed with their open questions.
+/// if the project does not state them, `lbr_iiwa_7_r800` and 152 mm are assumed. Where the
+/// application depends on something that the project does not contain (a dialog, an input, process
+/// data, the robot), the import lists a question with its answer. You answer questions by options,
+/// such as --robot and --flange-mm, or by an answers file. An application whose motions depend on
+/// values known only at run time is rejected, with file, line and reason. If the project has
+/// several applications, they are listed with their open questions.
 ///
-/// If PROJECT is a file RoboticsAPI.data.xml or a project without Java, or with --frames, frames
-/// and tools are written to a file that programs include. Parent frames become bases, other frames
+/// With --frames, or if PROJECT has no Java code or is a RoboticsAPI.data.xml file, frames and
+/// tools are written to a file that programs can include. Parent frames become bases, other frames
 /// become targets, and taught parent frames become both; names are paths, such as Table/P1. Each
 /// tool template becomes a tool with its load data. Its default motion frame, or else its first
-/// frame, becomes the TCP; its other frames become tips, such as TOOL/TIP. Programs include the
-/// file with `"include": "frames.json"`; `ik --program frames.json --frame Table/P1` inspects a
-/// frame. The tables list imported, renamed and skipped entries, with reasons. Each taught frame is
-/// checked: the robot must reach it with the taught TCP, status and turn, within its joint limits.
-/// If many frames fail, the selected robot or flange is probably wrong.
+/// frame, becomes the TCP; its other frames become further TCPs of the tool (tips), such as
+/// TOOL/TIP. Programs include the file with `"include": "frames.json"`; `ik --program frames.json
+/// --frame Table/P1` inspects a frame. The tables list imported, renamed and skipped entries, with
+/// reasons. Each taught frame is checked: the robot must reach it with the taught TCP, status and
+/// turn, within its joint limits. If many frames fail, the selected robot or flange is probably
+/// wrong.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub(crate) struct Import {

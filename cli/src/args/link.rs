@@ -111,14 +111,14 @@ pub(crate) struct Cabinet {
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = speed)]
     pub(crate) speed: f64,
 
-    /// Lag of measured behind commanded joint positions, in ms; 2.4, as on a real robot, without a
-    /// number
+    /// Lag of measured behind commanded joint positions, in ms; without a number 2.4, as on a real
+    /// robot
     #[arg(long, value_name = "MS", default_value_t = 0.0, num_args = 0..=1, require_equals = true,
         default_missing_value = "2.4", value_parser = lag)]
     pub(crate) lag: f64,
 
-    /// Standard deviation of measured positions while a joint moves, in rad; 6e-6, as on a real
-    /// robot, without a number
+    /// Standard deviation of measured positions while a joint moves, in rad; without a number 6e-6,
+    /// as on a real robot
     #[arg(long, value_name = "RAD", default_value_t = 0.0, num_args = 0..=1, require_equals = true,
         default_missing_value = "6e-6", value_parser = noise)]
     pub(crate) vibration: f64,
@@ -197,9 +197,9 @@ pub(crate) struct CabinetFaults {
     #[arg(long, value_name = "S", value_parser = period)]
     pub(crate) drop_session_every: Option<f64>,
 
-    /// Press the emergency stop once, at this share of the duration of the robot program's next
-    /// motions, in per cent, and release it after two seconds; trajectories over FRI have no such
-    /// share
+    /// Press the emergency stop once, when this percentage of the next run has passed, and release
+    /// it after two seconds; only for motions that the robot program plans, not for trajectories
+    /// over FRI
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) emergency_stop: Option<f64>,
 }
@@ -207,10 +207,10 @@ pub(crate) struct CabinetFaults {
 /// Run a motion program on the robot, and compare its cycle time with the plan.
 ///
 /// The command needs a running `iiwasim drive`, at the addresses --drive and --stream, that is
-/// connected to the controller. The program is planned first, and the figures are printed. Then the
-/// drive runs the program, and the measured joint positions are recorded as MCAP, with the torques
-/// as `effort` where the controller measures them. Ctrl-C stops the robot on its path; the
-/// recording until then is kept.
+/// connected to the controller. The program is planned first, and its cycle time, limits and
+/// torques are printed. Then the drive runs the program, and the measured joint positions are
+/// recorded as MCAP; torques are recorded as `effort` if the controller measures them. Ctrl-C stops
+/// the robot on its path; what was recorded until then is kept.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Run {
@@ -231,8 +231,9 @@ pub(crate) struct Run {
     #[arg(long, conflicts_with = "output")]
     pub(crate) no_output: bool,
 
-    /// Plan with --timing jerk, and send set-points over FRI instead of motions that the controller
-    /// plans: for programs with motions that the robot program does not support
+    /// Send the planned trajectory as set-points over FRI, instead of motions that the controller
+    /// plans; the plan uses --timing jerk. Use this if the Java program on the controller does not
+    /// support a motion of the program
     #[arg(long)]
     pub(crate) as_trajectory: bool,
 
@@ -247,8 +248,8 @@ pub(crate) struct Run {
     pub(crate) min_clearance: f64,
 
     /// First move to the start of the program in a straight line in joint space, at this share of
-    /// the velocity limits, in per cent; 10 without a value. Without this option, the arm must be
-    /// at the start, within 0.5 deg per joint
+    /// the velocity limits, in per cent; 10 if no value is given. Without this option, the arm must
+    /// be at the start, within 0.5 deg per joint
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true,
         default_missing_value = "10", value_parser = percent_above_zero)]
     pub(crate) move_to_start: Option<f64>,
@@ -269,7 +270,7 @@ pub(crate) struct Run {
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
-    /// Address at which the drive sends joint positions and its state (its second port)
+    /// Address of the drive's stream of joint positions and state (--stream of `iiwasim drive`)
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,

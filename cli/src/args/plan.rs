@@ -23,16 +23,15 @@ const URDF: &str = "URDF whose meshes (STL, OBJ or Collada), as convex hulls, re
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
 /// The table has one row per motion, wait at rest, load change, output (`set`) and input
-/// (`wait_for`). A wait with "overlap" that ends while the arm still moves is counted but has no
-/// row, so that the table skips its number. The row of a motion contains its start time,
-/// its duration, its top speed as a share of the joint speed limit, and the one or two limits that
-/// are active longest, each for at least 5 % of the duration, with their shares of the duration. If
-/// no limit is active for so long, the row names one limit without a share: the limit that is
-/// active longest or, if none is active, the limit that the motion approaches most closely. --json
-/// prints all active limits. A motion lasts from the start of the blend before it to the start of
-/// the blend after it, or to its stop. Below the table are the largest joint torque, as a share of
-/// the torque limit, and the mechanical work of the joints (link side, without motor and rotor
-/// losses).
+/// (`wait_for`). A wait that runs while the arm moves ("overlap") and ends before the arm stops has
+/// no row; the table skips its number. The row of a motion contains its start time, its duration,
+/// its top speed as a share of the joint speed limit, and the one or two limits that are active
+/// longest, with their shares of the duration; shares below 5 % are left out. If no share reaches 5
+/// %, the row names a single limit without a share: the limit that is active longest or, if none is
+/// active, the limit that the motion approaches most closely. --json prints all active limits. The
+/// time of a blend belongs to the motion after it: a motion ends where the next blend begins, or
+/// where the arm stops. Below the table are the largest joint torque, as a share of the torque
+/// limit, and the mechanical work of the joints (link side, without motor and rotor losses).
 ///
 /// The MCAP file opens in Foxglove, Lichtblick, Rerun and ROS 2 tools. It contains joint states,
 /// link frames, the flange pose, the whole trajectory, the robot's URDF and the program.
@@ -41,10 +40,11 @@ const URDF: &str = "URDF whose meshes (STL, OBJ or Collada), as convex hulls, re
 /// for all programs in the folder, sorted by name: its *.json files except hidden files, robot
 /// profiles, scenes, files of frames and JSON Schemas. A note names each file that is left out,
 /// except hidden files. The table then has one row per program: cycle time, time in motion, time at
-/// rest (settling and waiting), and the main limit. For the main limit, each motion adds its
-/// duration to one limit: the limit that is active longest in it or, if none is active, the limit
-/// that it approaches most closely. The main limit is the one with the largest sum. A failed
-/// program is reported on standard error and does not stop the others; the exit code is then 3.
+/// rest (settling and waiting), and the main limit. The main limit is the limit that holds back the
+/// program for most of the time: each motion counts with its whole duration for the limit that is
+/// active longest in it or, if none is active, for the limit that it approaches most closely. A
+/// failed program is reported on standard error and does not stop the others; the exit code is then
+/// 3.
 ///
 /// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, with the
 /// options of `iiwasim import`.
@@ -81,15 +81,16 @@ pub(crate) struct Plan {
 
     /// Also limit joint torques (link side) to this percentage of the robot's torque limits:
     /// motions that need more torque become slower, others are not affected. Overrides
-    /// `limit_torque_percent` of the program. Without either, torques are not limited, because no
-    /// public source says whether Sunrise limits torques [PERCENT: 1 to 1000, 100 if omitted]
+    /// `limit_torque_percent` of the program. Without the option and without this key, torques are
+    /// not limited, because no public source says whether Sunrise limits torques. The option
+    /// without a value means 100 [PERCENT: 1 to 1000]
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true,
         default_missing_value = "100",
         value_parser = torque_percent)]
     pub(crate) limit_torque: Option<f64>,
 
-    /// Speed override of the controller in %, instead of the program's: slows down motions, but
-    /// neither the standstill after stops nor waits
+    /// Speed override of the controller in %, instead of the program's: slows down motions; waits
+    /// and the standstill after stops keep their length
     #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
     pub(crate) speed_override: Option<f64>,
 
@@ -97,7 +98,7 @@ pub(crate) struct Plan {
     #[arg(long, value_enum, default_value_t = BlendKind::Iiwa, help_heading = METHOD)]
     pub(crate) blend_shape: BlendKind,
 
-    /// Method for the start and end of blends given in mm
+    /// Method of finding where a blend with a radius in mm begins and ends
     #[arg(long, value_enum, default_value_t = Search::FirstCrossing, help_heading = METHOD)]
     pub(crate) blend_search: Search,
 
@@ -186,14 +187,15 @@ pub(crate) enum Timing {
     Acceleration,
     /// Velocity, acceleration and jerk
     Jerk,
-    /// As recorded on a real robot: PTP motions from rest to rest by the recorded law, splines from
-    /// rest to rest by a model that exceeds acceleration and jerk limits, all other motions as with
-    /// `jerk`, but with starts and stops as soft as recorded ones (an assumption)
+    /// As recorded on a real robot. PTP motions between two stops have the speed profile that was
+    /// fitted to recordings; splines between two stops have a fitted speed that can exceed
+    /// acceleration and jerk limits. All other motions are planned as with `jerk`, with the same
+    /// soft starts and stops (an assumption: such motions have not been recorded)
     Sunrise,
 }
 
 impl Timing {
-    /// The timing of a plan, with these options of the sweep.
+    /// The timing of a plan, with these options of the sweep (the forward and backward pass).
     pub(crate) fn with(self, sweep: SweepOptions) -> iiwa_traj::Timing {
         match self {
             Self::Acceleration => iiwa_traj::Timing::Acceleration(sweep),
@@ -228,7 +230,7 @@ impl From<BlendKind> for BlendShape {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Search {
-    /// Search along the motion, from its target outwards, for the first point whose distance from
+    /// Search along the motion, backwards from its target, for the first point whose distance from
     /// the target is the blend radius; never misses a point
     FirstCrossing,
     /// Bisection (Larsen 2019, Algorithm 1)

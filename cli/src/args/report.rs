@@ -8,16 +8,17 @@ use super::{LogReading, Urdf};
 
 /// Make an HTML page of a plan or a recording: moving arm, path, joint curves, motions.
 ///
-/// The page is one HTML file that needs no network: the arm in 3D with play, pause, scrub and
-/// speed; the flange path with blends and blend spheres; position, velocity, acceleration, jerk and
-/// torque (link side) of the joints with their limits; the start, duration and active limit of each
-/// motion. With a second file, the page also shows the measured arm and the errors of `iiwasim
-/// compare`; with --scene, the obstacles, the tool and the clearance over time.
+/// The page is one HTML file that needs no network: the arm in 3D, with controls to play, pause,
+/// seek and change the speed; the flange path with its blends and the spheres of their radii;
+/// position, velocity, acceleration, jerk and torque (link side) of the joints with their limits;
+/// the start, duration and active limit of each motion. With a second file, the page also shows the
+/// measured arm and the errors of `iiwasim compare`; with --scene, the obstacles, the tool and the
+/// clearance over time.
 ///
 /// A recording of `iiwasim run` contains its program and is shown beside its plan. Other recordings
-/// do not contain a program: their page has neither a plan nor the list of motions. A truncated
-/// file is shown up to its end, with a note. Long files are reduced to the width of the screen:
-/// each pixel column of a curve spans the minimum and the maximum of its samples.
+/// do not contain a program: their pages show neither a plan nor a list of motions. A truncated
+/// file is shown up to its end, with a note. Curves of long files are drawn at the resolution of
+/// the screen: each pixel column shows the range from the smallest to the largest value.
 #[derive(Args, Debug)]
 pub(crate) struct Report {
     /// An MCAP file of `iiwasim plan`, `run` or `record`, a `DataRecorder` log, or a CSV file with
@@ -25,7 +26,7 @@ pub(crate) struct Report {
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
 
-    /// Recording of the robot, in any of these formats, if FILE is a plan
+    /// Recording to compare with, in any of these formats; only if FILE is a plan
     #[arg(value_name = "MEASURED")]
     pub(crate) measured: Option<PathBuf>,
 
@@ -37,7 +38,7 @@ pub(crate) struct Report {
     #[command(flatten)]
     pub(crate) arm: Urdf,
 
-    /// Path of the page [default: FILE.html in the current folder]
+    /// Path of the page [default: the name of FILE with .html, in the current folder]
     #[arg(short, long, value_name = "FILE.html")]
     pub(crate) output: Option<PathBuf>,
 

@@ -7,8 +7,8 @@
 //! the end (settling and waits); `T_s` is the plan's cycle time.
 //!
 //! **Paths.** Each sample is compared with the nearest point of the planned path, regardless of
-//! time: in joint space, in rad, and for the TCP, in m. Points are searched in the order of the
-//! path, so that a path that reverses is matched correctly.
+//! time: in joint space, in rad, and for the TCP, in m. The nearest points are searched for in the
+//! order of the path, so that a path that reverses is matched correctly.
 //!
 //! **Torques.** The torques required by the plan at the matched point, with its payload, mounting
 //! and the robot's friction, are subtracted from the recorded torques. Differences in speed from
@@ -52,9 +52,9 @@ pub use torques::TorqueDifference;
 pub struct Comparison {
     /// Time of the whole program.
     pub cycle_time: CycleTime,
-    /// Time at which the robot leaves its start, in s of the recording.
+    /// Time at which the robot leaves its start, in s, on the recording's clock.
     pub departure_s: f64,
-    /// Time at which the robot arrives at its end, in s of the recording.
+    /// Time at which the robot arrives at its end, in s, on the recording's clock.
     pub arrival_s: f64,
     /// Motions of the program, in order.
     pub motions: Vec<MotionTime>,
@@ -73,10 +73,10 @@ pub struct Comparison {
     pub samples: usize,
     /// Typical time between two samples, in s.
     pub step_s: f64,
-    /// Noise of the recording: standard deviation of all joints together, in rad. The path
-    /// deviation contains about as much.
+    /// Noise of the recording: standard deviation of all joints together, in rad. It adds about
+    /// this much to the path deviation.
     pub noise_rad: f64,
-    /// Time at which a second run of the same program starts, in s of the recording.
+    /// Time at which a second run of the same program starts, in s, on the recording's clock.
     pub again_s: Option<f64>,
     /// Limitations and assumptions of the figures, as text for users.
     pub losses: Vec<String>,
@@ -85,10 +85,10 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Returns the trace without its gaps: runs of consecutive samples, in order of time. A run
-    /// ends where the recording has a gap, or where the arm is at rest outside of the trace.
+    /// Splits the trace at its gaps: where samples are missing, or where samples at rest were left
+    /// out of it. Returns the parts in order of time.
     pub fn unbroken_trace(&self) -> impl Iterator<Item = &[TracePoint]> {
-        /// Ratio of a step to the typical one above which it is a gap.
+        /// A step longer than this many typical steps is a gap.
         const GAP: f64 = 5.0;
         let mut steps: Vec<f64> =
             self.trace.windows(2).map(|pair| pair[1].measured_s - pair[0].measured_s).collect();
@@ -123,7 +123,7 @@ pub struct CycleTime {
 pub struct MotionTime {
     /// Index in the program.
     pub motion: MotionIndex,
-    /// Type of the motion; the default type (PTP) if the plan does not contain it.
+    /// Type of the motion; PTP if the plan does not state it.
     pub motion_type: MotionType,
     /// Planned start time, in s.
     pub planned_start_s: f64,
@@ -163,7 +163,7 @@ pub struct StopTime {
 pub fn compare(plan: &PlannedTrajectory, measured: &JointLog) -> Result<Comparison, CompareError> {
     let legs = plan.legs();
     if legs.is_empty() || plan.curve.length() <= 0.0 {
-        return Err(CompareError::PlanStands);
+        return Err(CompareError::PlanWithoutMotion);
     }
     check(plan, measured)?;
     let noise = RecordingNoise::of(measured);
@@ -263,9 +263,10 @@ fn report_gaps(
     }
 }
 
-/// Checks that the robot does not rest or move elsewhere beyond an edge at which no rest was
-/// recorded. A recording that is cut to the motion has no samples beyond.
-fn stands_elsewhere(
+/// Checks an edge (the instant at which the arm leaves a stop or arrives at one) without a recorded
+/// rest: the samples before the start, or after the end, must be close to the plan's start or end.
+/// A recording that is cut to the motion has no such samples.
+fn check_rest(
     plan: &PlannedTrajectory,
     log: &JointLog,
     edge: &Edge,
@@ -278,8 +279,8 @@ fn stands_elsewhere(
     let after = log.t_s.partition_point(|sample_s| *sample_s < t_s);
     let Some(q) = log.q_rad.get(after).filter(|_| after > 0) else { return Ok(()) };
     let distance_rad = vector::distance(q, &planned);
-    if distance_rad > edge::STANDS_RAD {
-        return Err(CompareError::StandsElsewhere { edge: name, t_s, distance_rad });
+    if distance_rad > edge::REST_RAD {
+        return Err(CompareError::RestElsewhere { edge: name, t_s, distance_rad });
     }
     Ok(())
 }
@@ -287,22 +288,23 @@ fn stands_elsewhere(
 /// Error for a rest that is recorded far from the plan's start or end.
 fn rests_elsewhere(unclear: &edge::Unclear, edge: &'static str) -> Option<CompareError> {
     let (t_s, distance_rad) = unclear.rest_elsewhere?;
-    Some(CompareError::StandsElsewhere { edge, t_s, distance_rad })
+    Some(CompareError::RestElsewhere { edge, t_s, distance_rad })
 }
 
-/// Distance in time beyond an edge that is checked, in s.
+/// Time beyond an edge at which the position is checked, in s.
 const BEYOND_S: f64 = 0.1;
 
-/// Length of a gap around an edge, in s, from which the edge cannot be determined.
+/// A gap around an edge that is longer than this, in s, hides the edge.
 const EDGE_GAP_S: f64 = 0.05;
 
 /// Times at which the robot passed the planned starts and ends of motions.
 struct PassingTimes {
     departure: Edge,
     arrival: Edge,
-    /// Departure and arrival of each leg, in s of the recording.
+    /// Departure and arrival of each leg (the part of the plan from one stop to the next), in s, on
+    /// the recording's clock.
     legs: Vec<(PlanLeg, Option<f64>, Option<f64>)>,
-    /// Motion changes within legs: planned and recorded time.
+    /// Transitions between motions without a stop: planned and recorded time.
     passes: Vec<(f64, Option<f64>)>,
 }
 
@@ -339,7 +341,7 @@ impl PassingTimes {
                     to_s - from_s
                 ));
             }
-            if edge.offset_rad > edge::STANDS_RAD {
+            if edge.offset_rad > edge::REST_RAD {
                 losses.push(format!(
                     "the arm is at rest {:.2} deg from the plan's {name}: times count from its \
                      recorded rest, and the path deviation contains the offset",
@@ -347,7 +349,7 @@ impl PassingTimes {
                 ));
             }
             if !edge.stands {
-                stands_elsewhere(plan, log, edge, name)?;
+                check_rest(plan, log, edge, name)?;
                 losses.push(format!(
                     "the recording does not show the arm at rest at the {name} of the motion: it \
                      is assumed to be at rest where the plan is"
@@ -382,7 +384,7 @@ impl PassingTimes {
     }
 
     /// Returns the time at which the robot was at the planned position of a piece's start or end,
-    /// in s of the recording. `starts` is true for the start of a piece.
+    /// in s, on the recording's clock. `starts` is true for the start of a piece.
     fn at(&self, plan_s: f64, starts: bool) -> Option<f64> {
         let same = |a: f64| (a - plan_s).abs() <= 1e-9;
         if let Some(pass) = self.passes.iter().find(|pass| same(pass.0)) {
@@ -458,7 +460,7 @@ struct Finder<'a> {
     lengths: Vec<f64>,
 }
 
-/// Distance from a stop within which the rest is searched, in rad.
+/// The standstill of the arm is searched for within this distance from a stop, in rad.
 const ABOUT_RAD: f64 = 0.05;
 
 impl<'a> Finder<'a> {
@@ -554,8 +556,9 @@ impl<'a> Finder<'a> {
         pairs.map(|pair| (pair[1].start_s, self.pass(pair[1].start_s))).collect()
     }
 
-    /// Returns the time at which the robot passes the planned position of a time: around it,
-    /// recorded times are almost linear in the matched planned times.
+    /// Returns the recorded time at which the robot passes the position that is planned for
+    /// `plan_s`. It is determined with a line fit, because near this position the recorded time is
+    /// almost linear in the matched planned time.
     fn pass(&self, plan_s: f64) -> Option<f64> {
         const AROUND_S: f64 = 0.008;
         const AROUND: usize = 3;

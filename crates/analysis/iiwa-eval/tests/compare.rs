@@ -270,7 +270,7 @@ fn recordings_of_other_programs_are_refused() {
     // A plan without motion.
     let stands = r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
         "motions": [{ "type": "wait", "seconds": 1 }] }"#;
-    assert!(matches!(refused(stands, &whole), CompareError::PlanStands));
+    assert!(matches!(refused(stands, &whole), CompareError::PlanWithoutMotion));
 }
 
 #[test]
@@ -342,6 +342,6 @@ fn a_constant_offset_is_reported() {
         }
     }
     let error = compare(&plan, &recorded(0, -4.0)).unwrap_err();
-    assert!(matches!(error, CompareError::StandsElsewhere { edge: "start", .. }), "{error}");
+    assert!(matches!(error, CompareError::RestElsewhere { edge: "start", .. }), "{error}");
     assert!(error.to_string().contains("4.00 deg"), "{error}");
 }

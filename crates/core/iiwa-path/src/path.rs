@@ -178,7 +178,7 @@ impl JointPath {
         &self.start
     }
 
-    /// The steps of the robot, in order.
+    /// The steps of the path, in order: moves, settling, waits.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -199,7 +199,7 @@ impl JointPath {
         &self.steps
     }
 
-    /// Limits of each entry of the list of motions in the program.
+    /// Limits of each motion of the program, by index.
     #[must_use]
     pub fn limits(&self) -> &[MotionLimits] {
         &self.limits
@@ -246,7 +246,7 @@ impl JointPath {
         self.carried.tcps.get(motion.index()).unwrap_or(&Pose::IDENTITY)
     }
 
-    /// Payload during a motion, if any: [`Program::loads`].
+    /// Payload during a motion, if any; see [`Program::loads`].
     #[must_use]
     pub fn load(&self, motion: MotionIndex) -> Option<&Load> {
         self.carried.loads.get(motion.index())?.as_ref()
@@ -288,14 +288,14 @@ impl JointPath {
     }
 
     /// Waits of the program that overlap motions, in order. Where the robot stops in any case, each
-    /// of them is a [`Step::Wait`] of 0 s; before a blend it is not a step. The time that the robot
-    /// is at rest for them depends on the time stamps.
+    /// of them is a [`Step::Wait`] of 0 s; a wait before a blend has no step. How long the robot
+    /// rests for a wait is known only after the time parameterisation.
     #[must_use]
     pub fn overlapping_waits(&self) -> &[OverlappingWait] {
         &self.carried.waits
     }
 
-    /// Origins of the motions of the program, as far as they are known.
+    /// Sources of the motions of the program (such as lines of Java), as far as they are known.
     #[must_use]
     pub fn sources(&self) -> &Sources {
         &self.carried.sources
@@ -313,13 +313,13 @@ impl JointPath {
         self.carried.speed_override.unwrap_or(1.0)
     }
 
-    /// Ramp law of the robot, at the override.
+    /// Law of the robot's soft starts and stops (ramps), slowed down by the override.
     #[must_use]
     pub fn ramp_law(&self) -> RampLaw {
         self.robot.ramp_law().slowed_down(self.speed_override())
     }
 
-    /// Full limits of the robot, at the override.
+    /// Full limits of the robot, slowed down by the override.
     #[must_use]
     pub fn full_limits(&self) -> MotionLimits {
         MotionLimits::full(&self.robot).slowed_down(self.speed_override())
@@ -345,7 +345,7 @@ impl JointPath {
         Some((Self { limits: Arc::new(limits), steps, ..self.clone() }, speed_m_s))
     }
 
-    /// Largest torque of each joint, either way, in Nm, if the program limits torques.
+    /// Largest torque of each joint, in either direction, in Nm, if the program limits torques.
     #[must_use]
     pub fn torque_limits_nm(&self) -> Option<Joints> {
         let share = self.torque_limit_rel()?;
@@ -358,8 +358,8 @@ impl JointPath {
         self.carried.has_tools
     }
 
-    /// Type of a motion; `None` for other entries than inputs and outputs in programs without tools
-    /// and frames, where the type follows from the steps.
+    /// Type of a motion. In programs without tools and frames, only inputs and outputs have a type
+    /// here; the result is `None` for all other entries, whose type follows from their steps.
     #[must_use]
     pub fn motion_type(&self, motion: MotionIndex) -> Option<MotionType> {
         let of_io = self.io(motion).map(IoEntry::motion_type);
@@ -381,8 +381,8 @@ impl JointPath {
         self.carried.io.range(..=last).map(|(motion, entry)| (*motion, entry))
     }
 
-    /// Splines with TCP stops, and the number of stops in each: at reversals, at repeated points,
-    /// and between lines or circles that do not join smoothly.
+    /// Splines in which the TCP stops, and the number of stops in each: at reversals, at repeated
+    /// points, and between lines or circles that do not join smoothly.
     #[must_use]
     pub fn stops_in_splines(&self) -> Vec<(MotionIndex, usize)> {
         let mut stops: Vec<(MotionIndex, usize)> = Vec::new();

@@ -66,9 +66,9 @@ impl UnmetGates {
     }
 }
 
-/// Returns true if a value is above a limit, and is also above the limit as it is printed with
-/// `decimals`: the printed decimals are the promised precision of a figure. A message such as
-/// "20.0 mm, less than 20 mm" is therefore impossible. For a lower limit, negate both numbers.
+/// Returns true if a value is above a limit, both exactly and after it is rounded to `decimals`,
+/// the promised precision of a figure. A message such as "20.0 mm, less than 20 mm" is therefore
+/// impossible. For a lower limit, negate both numbers.
 ///
 /// ```
 /// use iiwa_plan::is_above;

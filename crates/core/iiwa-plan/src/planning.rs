@@ -52,7 +52,8 @@ impl Planning {
         }
     }
 
-    /// Makes the planning end with an [interrupt](Error::is_interrupt) soon after `stop` is set.
+    /// Makes the planning end with an [interrupt error](Error::is_interrupt) soon after `stop` is
+    /// set.
     #[must_use]
     pub fn interrupted_by(self, stop: Arc<AtomicBool>) -> Self {
         Self { planner: self.planner.interrupted_by(stop), ..self }
@@ -76,7 +77,8 @@ impl Planning {
         &self.text
     }
 
-    /// Figures so far; groups and repeat blocks are added after the last section.
+    /// Figures of all sections planned so far. Times of groups and repeat blocks are added after
+    /// the last section.
     #[must_use]
     pub fn figures(&self) -> &PlanFigures {
         &self.figures
@@ -95,7 +97,7 @@ impl Planning {
         (self.figures, warnings)
     }
 
-    /// Planned share of the program, 0 to 1.
+    /// Share of the program that is planned so far, 0 to 1.
     #[must_use]
     pub fn progress(&self) -> f64 {
         self.planner.progress()

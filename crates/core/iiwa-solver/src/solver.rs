@@ -1,18 +1,19 @@
 //! Primal-dual interior-point method for the time-optimal x(sigma) over the cells of a section.
 //!
 //! The duration, `sum of length / 2 (x_start^(-1/2) + x_end^(-1/2))`, is minimised over the states
-//! of the cells, subject to their limits. A Newton step is a linear-quadratic control problem: x
-//! and V are continuous from cell to cell, W0 and W1 are the controls. A backward recursion over
-//! 2x2 matrices (Riccati) solves it in time linear in the number of cells. The recursion is
-//! accurate where one banded system for all x would lose its digits: the lengths of neighbouring
-//! cells may differ by a factor of thousands.
+//! of the cells, subject to their limits. In each cell x is a cubic of the share f of its length,
+//! with V = dx/df; W0 and W1 are d2x/df2 at its ends. A Newton step is a linear-quadratic control
+//! problem: x and V are continuous from cell to cell, and W0 and W1 are the controls. A backward
+//! recursion over 2x2 matrices (Riccati) solves it in time linear in the number of cells.
+//! Neighbouring cells can differ in length by a factor of thousands; one banded system for all x
+//! would lose precision there, but the recursion does not.
 //!
-//! The method is infeasible on the way: slacks need not match their rows, and the end of a cell
-//! need not match the start of the next one. The former allows long steps; the latter keeps the
-//! digits of each cell, although x falls from 20 to 1e-7 within a section.
+//! Iterates may be infeasible: slacks need not match their constraints (rows), which allows long
+//! steps; and the end of a cell need not match the start of the next one, so that each cell keeps
+//! its precision although x falls from 20 to 1e-7 within a section.
 //!
-//! After the limits of a few cells have changed, a window of cells around them is solved alone,
-//! because the optimum is local.
+//! After the limits of a few cells have changed, only a window of cells around them is solved
+//! again, because the change affects the optimum only nearby.
 //!
 //! Jerk is constant in the cells next to rest: there x is proportional to sigma^(4/3), which is not
 //! a cubic.
@@ -53,7 +54,8 @@ pub enum SolveError {
 
 /// The problem of one section, with the current iterate.
 pub(crate) struct Solver {
-    /// Lengths of the cells between the two that touch rest.
+    /// Lengths of the cells between the first and the last one, in which the motion starts and ends
+    /// at rest.
     lengths: Vec<f64>,
     /// `true` where W0 and W1 of a cell are free; elsewhere both are zero.
     free: Vec<bool>,
@@ -70,7 +72,8 @@ pub(crate) struct Solver {
     pub(crate) gap: f64,
     /// Target of the next step for the product of each slack and its dual.
     mu: f64,
-    /// `true` if the first boundary that any slack or dual reaches ends a step.
+    /// `true` if a step ends as soon as any slack or dual reaches its boundary. If `false`, steps
+    /// may go further, and each slack and dual stops at its own boundary.
     is_cautious: bool,
     /// The cells that are solved for; all others are fixed.
     window: Range<usize>,
@@ -99,10 +102,10 @@ const ITERATIONS: &str = "step     duration s      gap residual       mu  primal
 const SETTINGS: InteriorPointSettings = crate::settings::SETTINGS.interior_point;
 
 impl Solver {
-    /// Creates the problem with a first guess at the acceleration-limited x.
+    /// Creates the problem, with the acceleration-limited motion as the first guess.
     ///
     /// The section starts and ends at rest, or with the x and dx/dsigma of `entry` and `exit`. If
-    /// `is_cautious`, the first boundary that any slack or dual reaches ends a step.
+    /// `is_cautious`, a step ends as soon as any slack or dual reaches its boundary.
     pub(crate) fn new(
         segments: &[LimitedSegment<'_>],
         mesh: &Mesh,
@@ -159,7 +162,7 @@ impl Solver {
         let last = mesh.to_rest.as_ref().map(|cell| cell.x).or(exit.map(|[x, _]| x));
         let mut x: Vec<_> = cells.iter().map(|cell| cell.x).chain(last).collect();
         if let Some(to_rest) = &mesh.to_rest {
-            // The acceleration-limited stamps may not stop at this end.
+            // The acceleration-limited motion does not always come to rest at this end.
             let [_, acceleration, _] = segments[to_rest.segment].straight(1.0);
             let mut way = to_rest.length;
             for (x, length) in x.iter_mut().rev().zip(solver.lengths.iter().rev().chain([&0.0])) {
@@ -193,8 +196,8 @@ impl Solver {
         self.restart(SETTINGS.cold);
     }
 
-    /// Sets the states to a smooth curve close to `x`, the values at all nodes between the cells
-    /// that touch rest: a quadratic B-spline.
+    /// Sets the states to a quadratic B-spline close to `x`, which has one value per node, without
+    /// the cells at rest.
     fn guess(&mut self, x: &[f64]) {
         let n = self.lengths.len();
         let length = |k: usize| if k == 0 || k > n { 0.0 } else { self.lengths[k - 1] };
@@ -240,7 +243,8 @@ impl Solver {
 
     /// Returns the smallest window that contains `cells` and can be solved alone.
     pub(crate) fn window_of(&self, mut cells: Range<usize>) -> Range<usize> {
-        // The last cell of a window meets a fixed state by its W0 and W1, so both have to be free.
+        // The last cell of a window has to reach the fixed state after the window. For this, its W0
+        // and W1 must be free.
         while cells.end < self.lengths.len() && !self.free[cells.end - 1] {
             cells.end += 1;
         }
@@ -337,8 +341,8 @@ impl Solver {
         from.map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
     }
 
-    /// Row of the last cell that is zero if x continues to rest as sigma^(4/3); `None` without a
-    /// rest.
+    /// Linear function of the state of the last cell that is zero if x reaches rest as sigma^(4/3);
+    /// `None` if the section does not end at rest.
     fn to_rest(&self) -> Option<CellState> {
         let rest = self.rests.to.as_ref()?;
         let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * rest.length);
@@ -384,8 +388,8 @@ impl Solver {
                 .min(1.0)
                 .min(share(ratios.x, SETTINGS.largest_decrease));
             let dual = (dual_beyond * share(ratios.dual, SETTINGS.to_boundary)).min(1.0);
-            // After many steps, the step length is halved: where the curvature only bounds the true
-            // one, full steps may cycle.
+            // After many steps, the step length is halved: where the curvature is only an upper
+            // bound of the true curvature, full steps may cycle.
             let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
             // NaN fails this test as well, if numbers are out of range.
             if !(primal > 0.0 && dual > 0.0) {
@@ -409,7 +413,8 @@ impl Solver {
             let aim = aim.map_or(1.0, |(_, aim)| *aim);
             self.mu = (aim * sums.gap / limits).max(SETTINGS.min_mu * gap * duration_s / limits);
             if self.gap < gap && sums.residual < SETTINGS.residual {
-                // With further limits, the last steps may be short although the gap is closed.
+                // With limits such as those of torques, the last steps may be short although the
+                // gap is closed.
                 let is_closer = self.gap < SETTINGS.closer * gap
                     && sums.residual < SETTINGS.closer * SETTINGS.residual;
                 if primal > SETTINGS.last_step || is_closer && self.blocks.has_others {
@@ -503,9 +508,9 @@ impl Solver {
     }
 }
 
-/// Lowers `x` at the nodes between cells to the jerk limit at constant speed, and lowers the nodes
-/// around to what is reachable from there: the method does not recover from a start that exceeds a
-/// jerk limit many times over.
+/// Lowers `x` at nodes where constant speed alone would exceed the jerk limit, and at nearby nodes
+/// to the values that are reachable from them. Otherwise the method would not converge from a start
+/// that exceeds a jerk limit many times over.
 fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
     let mut lowered = false;
     for (k, (cell, geometry)) in std::iter::zip(&mesh.cells, &mesh.geometry).enumerate() {

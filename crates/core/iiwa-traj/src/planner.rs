@@ -25,7 +25,7 @@ use crate::{
 // "Further limits" are all limits other than velocity, acceleration and jerk: torque limits and
 // those of `Planner::with_limit`. Below are ratios of a value to its limit.
 
-/// Largest ratio up to which a section planned without further limits is kept.
+/// A section planned without further limits is kept if its largest ratio is at most this.
 const TOLERANCE: f64 = 1.005;
 
 /// If the ratio in the plan without jerk limits is at least this, the plan with jerk limits
@@ -35,17 +35,17 @@ const LIKELY: f64 = 1.03;
 /// Largest ratio in a section planned with further limits; above it, planning fails.
 const MAX_RATIO: f64 = 1.01;
 
-/// Margin in s for comparing times of plans of different lengths. It is large: in their common
-/// part, times differ by nanoseconds only.
+/// Margin in s for comparing times of plans that cover different numbers of moves. It is generous:
+/// in the moves that both plans cover, times differ by nanoseconds only.
 const PLANS_DIFFER_S: f64 = 0.02;
 
 /// Decision on a blend: to continue through the blend, or to stop before it. It is necessary
 /// because a wait that overlaps the motion before the blend can delay the next motion.
 enum Decided {
     /// The program sends the next motion in time for the blend into it. `needed_s` is the latest
-    /// time in s at which the program may send the motion. Where this time was not computed,
-    /// `needed_s` is a lower bound: the largest `needed_s` of the earlier blends, or negative
-    /// infinity.
+    /// time in s at which the program may send the motion. If it was not necessary to compute this
+    /// time, `needed_s` is a lower bound of it: the largest `needed_s` of the earlier blends, or
+    /// negative infinity.
     InTime { needed_s: f64 },
     /// The program sends the next motion too late. Contains the section that stops before the
     /// blend.
@@ -88,7 +88,7 @@ pub struct Planner {
     rest_rad: Joints,
     /// Times at which the program sends the motions after overlapping waits.
     clock: ProgramClock,
-    /// Memory of the sweep, the backward and forward pass under velocity and acceleration limits.
+    /// Buffers of the sweep (the backward and forward pass under velocity and acceleration limits).
     scratch: SweepScratch,
     /// All limits except velocity, acceleration and jerk limits.
     limits: PathLimits,
@@ -129,8 +129,9 @@ impl Planner {
     }
 
     /// Applies Sunrise's limits to the path. The speed of a LIN or CIRC motion from rest to rest is
-    /// at most its length over `least_cruise_s`. In T1, the function also stores the path without
-    /// the T1 speed limit, in `unsupervised`.
+    /// at most its length over `least_cruise_s`, as recorded: at constant speed, each of them would
+    /// take at least this time, however short it is. In T1, the function also stores the path
+    /// without the T1 speed limit, in `unsupervised`.
     fn limit_as_sunrise(&mut self) {
         self.unsupervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
@@ -172,8 +173,9 @@ impl Planner {
 
     /// Adds a limit that is linear in the acceleration `u` along the path and in the squared path
     /// speed `x`: `-1 <= a u + b x + c <= 1`. The fields `acceleration`, `square` and `offset` of a
-    /// [`PathRow`](crate::PathRow) are a, b and c. The acceleration and the speed are those of the
-    /// path parameter by which [`RowLimit::rows`](crate::RowLimit::rows) gets derivatives.
+    /// [`PathRow`](crate::PathRow) are a, b and c. With s as the parameter of the derivatives that
+    /// [`RowLimit::rows`](crate::RowLimit::rows) gets, `u` is the second time derivative of s, and
+    /// `x` the square of the first.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -237,8 +239,8 @@ impl Planner {
 }
 
 impl Planner {
-    /// Plans `steps`, all of which move, and adds their pieces (segments with times) to `section`,
-    /// which has no pieces yet.
+    /// Plans `steps`, which are all moves, and adds their pieces (segments with times) to
+    /// `section`, which has no pieces yet.
     ///
     /// A section with further limits is planned without them first, for a numerical reason: with
     /// further limits, the solver uses a finer mesh and more constraints, so that even limits that
@@ -410,9 +412,9 @@ impl Planner {
         Ok(section)
     }
 
-    /// Plans the section of these moves as far as each motion is known in time for the blend into
-    /// it; otherwise the robot stops before that blend. Returns the section and the step at which
-    /// it ends.
+    /// Plans these moves up to the first blend whose next motion becomes known too late; the robot
+    /// stops before that blend. If all motions are known in time, plans all of them. Returns the
+    /// section and the step at which it ends.
     ///
     /// Later motions do not change whether a motion is known in time, and planning all of them for
     /// each decision would take time proportional to the square of the number of moves. Therefore
@@ -434,9 +436,9 @@ impl Planner {
             self.clock.note(&section);
             while let Some(blend) = blends.get(in_time).copied().filter(|blend| *blend < end) {
                 let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
-                // To stop before this blend, the robot has to brake no earlier than to stop before
-                // an earlier one. A motion that is known before `needed_before_s` is therefore in
-                // time, and no plan with a stop is necessary.
+                // Stopping before a later blend never requires braking earlier. A motion that is
+                // known before `needed_before_s` is therefore in time, and no plan with a stop is
+                // necessary.
                 let is_in_time = known_s <= needed_before_s - PLANS_DIFFER_S;
                 let decided = if is_in_time {
                     Decided::InTime { needed_s: needed_before_s }
@@ -473,7 +475,8 @@ impl Planner {
         known_s: f64,
         section: &Section,
     ) -> Result<Decided, TimingError> {
-        // In these cases the latest time is not computed: negative infinity is its lower bound.
+        // In these cases the latest time is not computed; negative infinity is used as its lower
+        // bound.
         let in_time = Decided::InTime { needed_s: f64::NEG_INFINITY };
         let Some(piece) = section.pieces.iter().position(|piece| piece.step == blend) else {
             return Ok(in_time);

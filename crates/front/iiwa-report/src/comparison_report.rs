@@ -25,7 +25,7 @@ pub struct ComparisonReport {
     robot: String,
     /// Cycle time error (Larsen 2019, Eq. 40).
     cycle_time: CycleTimeRow,
-    /// Times at which the arm departs and arrives, in s of the recording.
+    /// Times at which the arm departs and arrives, in s, on the recording's clock.
     departure_s: f64,
     arrival_s: f64,
     motions: Vec<MotionTimeRow>,

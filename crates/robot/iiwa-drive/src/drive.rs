@@ -102,13 +102,15 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// An address is invalid, requires keys or cannot be bound, or a thread cannot be started.
+    /// An address is invalid, is open to other machines without keys, or cannot be bound; or a
+    /// thread cannot be started.
     pub fn start(
         config: DriveConfig,
         clients: &Server,
         cabinet: &Remote,
     ) -> Result<Self, LinkError> {
-        // FRI would listen for other machines, but accept messages of this machine only.
+        // With this configuration, FRI would listen on the network but accept messages only from
+        // this machine.
         if !config.fri.ip().is_loopback() && config.fri_controller.is_loopback() {
             return Err(LinkError::ControllerAddress { fri: config.fri });
         }
@@ -144,7 +146,7 @@ impl Drive {
             ready: Arc::clone(&ready),
         };
         threads.spawn("drive FRI", move |shutdown| fri.run(shutdown))?;
-        // From here on, `answer_latency` reports the priority of the thread.
+        // The FRI thread has now recorded its priority, which `answer_latency` reports.
         ready.wait();
         // This thread ends with the publishing threads, which hold the senders.
         threads.spawn("drive publish", move |_| publish::publish(&to_publish, &stream))?;
@@ -219,8 +221,8 @@ fn listen(
     })
 }
 
-/// Returns `true` for stop requests. If there are too many connections, old ones are closed for new
-/// ones: those with a pending stop last.
+/// Returns `true` for stop requests. If there are too many connections, the oldest ones are closed
+/// to make room; connections with a pending stop request are closed last.
 fn is_stop(frames: &[Bytes]) -> bool {
     let body = frames.last().filter(|body| body.len() <= SHORT_MESSAGE_BYTES);
     body.is_some_and(
@@ -246,9 +248,9 @@ fn receive_states(
     })
 }
 
-/// Opens the connection for instructions to the robot program. Like REQ, it sends messages with an
-/// empty delimiter frame, but it does not block after a lost reply. Undelivered instructions are
-/// dropped with the connection: a motion must not begin late.
+/// Opens the connection for instructions to the robot program. Like a `ZeroMQ` REQ socket, it sends
+/// messages with an empty delimiter frame, but it does not block after a lost reply. If the
+/// connection is lost, undelivered instructions are dropped, because a motion must not begin late.
 fn instruct(
     cabinet: &Remote,
     address: &str,

@@ -28,7 +28,7 @@ pub struct Location {
     pub motion: MotionIndex,
     /// Planned time, in s from the program's start.
     pub plan_s: f64,
-    /// Recorded time, in s of the recording.
+    /// Recorded time, in s, on the recording's clock.
     pub recording_s: f64,
     /// Planned joints, in rad.
     pub planned_rad: Joints,

@@ -21,7 +21,7 @@ use crate::quantile::median;
 const WAY_RAD: f64 = 3e-3;
 
 /// Distance from the planned position up to which a rest belongs to the stop, in rad.
-pub(super) const STANDS_RAD: f64 = 5e-3;
+pub(super) const REST_RAD: f64 = 5e-3;
 
 /// Largest constant offset of a recording at a stop, in rad: the largest distance from the plan's
 /// start at which a program is found in a recording.
@@ -49,7 +49,7 @@ pub(crate) enum Side {
 /// Instant of departure or arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Edge {
-    /// Time, in s of the recording.
+    /// Time, in s, on the recording's clock.
     pub(crate) t_s: f64,
     /// Standard deviation due to noise, in s.
     pub(crate) deviation_s: f64,
@@ -79,12 +79,12 @@ pub(crate) struct PlannedStop<'a> {
 /// Failure to find an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unclear {
-    /// Time of the sample nearest to the stop, in s of the recording.
+    /// Time of the sample nearest to the stop, in s, on the recording's clock.
     pub(crate) t_s: f64,
     /// Distance of that sample, in rad.
     pub(crate) distance_rad: f64,
-    /// Rest far from the planned position: its time, in s of the recording, and its distance, in
-    /// rad.
+    /// Rest far from the planned position: its time, in s, on the recording's clock, and its
+    /// distance, in rad.
     pub(crate) rest_elsewhere: Option<(f64, f64)>,
 }
 
@@ -104,7 +104,7 @@ impl PlannedStop<'_> {
             let (t_s, distance_rad) = (f64::NAN, f64::INFINITY);
             return Err(Unclear { t_s, distance_rad, rest_elsewhere: None });
         };
-        let near = away(&nearest) + STANDS_RAD + 20.0 * noise.norm_rad();
+        let near = away(&nearest) + REST_RAD + 20.0 * noise.norm_rad();
         let from = samples.clone().find(|i| away(i) <= near).unwrap_or(nearest);
         let to = samples.clone().rev().find(|i| away(i) <= near).unwrap_or(nearest) + 1;
         let stand = |range, sway_rad| self.stand(log, range, noise, &planned, sway_rad);

@@ -8,7 +8,7 @@ use iiwa_program::MotionIndex;
 pub enum CompareError {
     /// The plan has no motion.
     #[error("no joint moves in the plan")]
-    PlanStands,
+    PlanWithoutMotion,
     /// The recording has too few samples.
     #[error("{samples} samples are in the recording; at least 4 are needed")]
     TooFewSamples {
@@ -45,7 +45,7 @@ pub enum CompareError {
     OtherStart {
         /// Smallest distance, in rad.
         distance_rad: f64,
-        /// Time, in s of the recording.
+        /// Time, in s, on the recording's clock.
         t_s: f64,
     },
     /// The robot reaches the start and remains there.
@@ -54,7 +54,7 @@ pub enum CompareError {
          s and does not leave it"
     )]
     NeverLeaves {
-        /// Time at the start, in s of the recording.
+        /// Time at the start, in s, on the recording's clock.
         t_s: f64,
     },
     /// The robot leaves the path.
@@ -65,7 +65,7 @@ pub enum CompareError {
     OtherPath {
         /// Distance from the path, in rad.
         distance_rad: f64,
-        /// Time, in s of the recording.
+        /// Time, in s, on the recording's clock.
         t_s: f64,
         /// Motion in the plan.
         motion: MotionIndex,
@@ -84,7 +84,7 @@ pub enum CompareError {
          {motion}, {left_rad:.3} rad before the end of the plan's path"
     )]
     EndsEarly {
-        /// Time of the last sample, in s of the recording.
+        /// Time of the last sample, in s, on the recording's clock.
         t_s: f64,
         /// Motion in the plan.
         motion: MotionIndex,
@@ -97,7 +97,7 @@ pub enum CompareError {
          plan's start already"
     )]
     BeginsInMotion {
-        /// Time nearest to the start, in s of the recording.
+        /// Time nearest to the start, in s, on the recording's clock.
         t_s: f64,
         /// Distance from the start, in rad.
         distance_rad: f64,
@@ -108,10 +108,10 @@ pub enum CompareError {
          deg away from there",
         .distance_rad.to_degrees()
     )]
-    StandsElsewhere {
+    RestElsewhere {
         /// `start` or `end`.
         edge: &'static str,
-        /// Time, in s of the recording.
+        /// Time, in s, on the recording's clock.
         t_s: f64,
         /// Distance, in rad.
         distance_rad: f64,
@@ -122,7 +122,7 @@ pub enum CompareError {
          {distance_rad:.1e} rad from its end, and not at rest"
     )]
     DoesNotStop {
-        /// Time nearest to the end, in s of the recording.
+        /// Time nearest to the end, in s, on the recording's clock.
         t_s: f64,
         /// Distance from the end, in rad.
         distance_rad: f64,
@@ -135,9 +135,9 @@ pub enum CompareError {
     GapAtEdge {
         /// `start` or `end`.
         edge: &'static str,
-        /// Last sample before the gap, in s of the recording.
+        /// Last sample before the gap, in s, on the recording's clock.
         from_s: f64,
-        /// First sample after the gap, in s of the recording.
+        /// First sample after the gap, in s, on the recording's clock.
         to_s: f64,
     },
 }

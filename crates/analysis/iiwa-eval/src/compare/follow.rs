@@ -30,7 +30,7 @@ pub(crate) struct Followed {
     pub(crate) first: usize,
     /// Matched planned time of each sample from the first one, in s.
     pub(crate) place_s: Vec<f64>,
-    /// Time at which a second run of the program starts, in s of the recording.
+    /// Time at which a second run of the program starts, in s, on the recording's clock.
     pub(crate) again_s: Option<f64>,
 }
 

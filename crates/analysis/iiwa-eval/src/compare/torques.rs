@@ -18,7 +18,7 @@ pub struct TorqueDifference {
     pub rms_nm: Joints,
     /// Largest difference, with its sign.
     pub largest_nm: Joints,
-    /// Time of the largest difference, in s of the recording.
+    /// Time of the largest difference, in s, on the recording's clock.
     pub largest_at_s: Joints,
     /// Largest torque required by the plan at these samples, with its sign, in Nm.
     pub planned_peak_nm: Joints,

@@ -17,7 +17,7 @@ pub struct LineObservation {
     pub from_rad: Joints,
     /// End, in rad.
     pub to_rad: Joints,
-    /// Start and end times, in s of the recording.
+    /// Start and end times, in s, on the recording's clock.
     pub time_s: [f64; 2],
     /// Top speed along the line, in rad/s, if it was held for some time.
     pub speed_rad_s: Option<f64>,
@@ -84,7 +84,7 @@ pub struct TcpBlendObservation {
     pub recording: usize,
     /// Motion whose target is blended away.
     pub motion: MotionIndex,
-    /// Start and end times of the evaluated samples, in s of the recording.
+    /// Start and end times of the evaluated samples, in s, on the recording's clock.
     pub time_s: [f64; 2],
     /// Angle between the TCP directions, in degrees.
     pub gamma_deg: f64,
