@@ -65,7 +65,7 @@ pub use inverse_point::FlangePoint;
 pub use joint::Joint;
 pub use limits::{Limits, OutsideRange};
 pub use links::part_name;
-pub use load::Load;
+pub use load::{ImpossibleLoad, Load};
 pub use mount::Mount;
 pub use moving_pose::MovingPose;
 pub use number::Number;

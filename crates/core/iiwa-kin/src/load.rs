@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use thiserror::Error;
+
 use crate::{
     Pose, RigidBody,
     rotation::{product, transposed},
@@ -34,12 +36,22 @@ impl FromStr for Load {
                 );
             }
         };
-        if mass_kg < 0.0 {
-            return Err("the mass cannot be negative".to_owned());
-        }
-        Ok(Self { mass_kg, center_mm, ..Self::default() })
+        let load = Self { mass_kg, center_mm, ..Self::default() };
+        load.check().map_err(|error| error.to_string())?;
+        Ok(load)
     }
 }
+
+/// Error: a load that no arm of this size carries, such as a mass in grams.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error(
+    "the load is not physically possible: its mass must be 0 to {} kg, its centre at most {} mm \
+     from the flange on each axis, and its moments of inertia 0 to {} kg m^2",
+    Load::MAX_MASS_KG,
+    Load::MAX_CENTER_MM,
+    Load::MAX_INERTIA_KG_M2
+)]
+pub struct ImpossibleLoad;
 
 /// Parses finite numbers separated by commas.
 pub(crate) fn numbers(text: &str) -> Result<Vec<f64>, String> {
@@ -51,6 +63,28 @@ pub(crate) fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 impl Load {
+    /// Largest mass, in kg: seventy times the largest rated payload. Torques of larger masses would
+    /// be numbers without meaning.
+    pub const MAX_MASS_KG: f64 = 1000.0;
+    /// Largest coordinate of the centre of mass, in mm.
+    pub const MAX_CENTER_MM: f64 = 10_000.0;
+    /// Largest moment of inertia, in kg m^2.
+    pub const MAX_INERTIA_KG_M2: f64 = 1000.0;
+
+    /// Checks that mass, centre and moments of inertia are within their bounds.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpossibleLoad`] if they are not.
+    pub fn check(&self) -> Result<(), ImpossibleLoad> {
+        let within = |numbers: &[f64], max: f64| numbers.iter().all(|number| number.abs() <= max);
+        let is_possible = self.body().is_possible()
+            && within(&[self.mass_kg], Self::MAX_MASS_KG)
+            && within(&self.center_mm, Self::MAX_CENTER_MM)
+            && within(&self.inertia_kg_m2, Self::MAX_INERTIA_KG_M2);
+        if is_possible { Ok(()) } else { Err(ImpossibleLoad) }
+    }
+
     /// The payload as a rigid body in the flange frame.
     ///
     /// ```

@@ -1,7 +1,7 @@
 //! Faults of programs.
 
 use iiwa_json::{JsonPlace, JsonStep, locate};
-use iiwa_kin::{Joint, OutsideRange};
+use iiwa_kin::{ImpossibleLoad, Joint, OutsideRange};
 
 use crate::{
     blend::Blend,
@@ -133,11 +133,8 @@ pub enum Fault {
         /// Reason, and remedy.
         message: String,
     },
-    /// The inertia of a payload is not physically possible.
-    #[error(
-        "motion {motion}: the load is not physically possible; mass and moments of inertia must \
-         be 0 or more"
-    )]
+    /// The mass, the centre or the inertia of a payload is out of range.
+    #[error("motion {motion}: {}", ImpossibleLoad)]
     Load {
         /// Motion index.
         motion: MotionIndex,

@@ -339,7 +339,7 @@ impl Program {
                 Err(Fault::Wait { motion, found: *seconds, max_s: MAX_WAIT_S })
             }
             Motion::Wait { overlap, .. } => check_overlap(motion, *overlap, moves),
-            Motion::Load(Some(payload)) if !payload.load.body().is_possible() => {
+            Motion::Load(Some(payload)) if payload.load.check().is_err() => {
                 Err(Fault::Load { motion })
             }
             Motion::Load(payload) => match payload.as_ref().and_then(FlangeLoad::shape_fault) {

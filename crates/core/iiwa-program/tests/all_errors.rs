@@ -99,7 +99,7 @@ fn each_part_of_a_program_has_its_error() {
 fn each_unknown_key_of_the_program_has_its_error() {
     let text = r#"{
   "versions": 1, "version": 1,
-  "a \"quoted\" key" : { "versions": 1 },
+  "a \"quoted\" kéy" : { "versions": 1 },
   "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
   "frame": {},
   "motions": [{ "type": "movej" }]
@@ -107,7 +107,7 @@ fn each_unknown_key_of_the_program_has_its_error() {
     let errors = all_errors(text);
     let messages: Vec<_> = errors.iter().map(ProgramError::message).collect();
     assert_eq!(messages[0], "unknown key `versions`; did you mean `version`?");
-    assert!(messages[1].starts_with("unknown key `a \"quoted\" key`, expected one of"));
+    assert!(messages[1].starts_with("unknown key `a \"quoted\" kéy`, expected one of"));
     assert_eq!(messages[2], "unknown key `frame`; did you mean `frames`?");
     assert_eq!(messages.len(), 4, "{messages:#?}");
     let places = errors.iter().map(|error| (error.place().line, error.place().column));

@@ -68,10 +68,14 @@ fn invalid_loads_are_refused() {
         (r#"{ "type": "load", "load": null, "seconds": 1 }"#.to_owned(), "`seconds`"),
         (
             LOAD.replace("3.5", "-3.5"),
-            "motion 1: the load is not physically possible; mass and moments of inertia must be 0 \
-             or more",
+            "motion 1: the load is not physically possible: its mass must be 0 to 1000 kg, its \
+             centre at most 10000 mm from the flange on each axis, and its moments of inertia 0 to \
+             1000 kg m^2",
         ),
+        (LOAD.replace("3.5", "3500"), "its mass must be 0 to 1000 kg"),
+        (LOAD.replace("60.5", "60500"), "is not physically possible"),
         (LOAD.replace("0.02", "-0.02"), "is not physically possible"),
+        (LOAD.replace("0.02", "2000"), "is not physically possible"),
     ] {
         let message = refused(&program("", &motions));
         assert!(message.contains(expected), "{message}");

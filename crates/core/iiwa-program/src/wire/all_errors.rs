@@ -104,8 +104,10 @@ fn key_place(text: &str, value: &str) -> JsonPlace {
     let before = &text[..value.as_ptr().addr() - text.as_ptr().addr()];
     let key = before.trim_end().trim_end_matches(':').trim_end();
     let is_quote = |offset: &usize| {
-        let backslashes = key[..*offset].bytes().rev().take_while(|byte| *byte == b'\\').count();
-        key.as_bytes()[*offset] == b'"' && backslashes % 2 == 0
+        // The offset may be within a character.
+        let (before, from) = key.as_bytes().split_at(*offset);
+        let backslashes = before.iter().rev().take_while(|byte| **byte == b'\\').count();
+        from[0] == b'"' && backslashes % 2 == 0
     };
     let start = (0..key.len().saturating_sub(1)).rev().find(is_quote).unwrap_or(0);
     JsonPlace::of_span(text, start..key.len())

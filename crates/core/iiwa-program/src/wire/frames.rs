@@ -363,11 +363,9 @@ impl ToolWire {
             Err(message) => Err(format!("`{}`: {message}", excerpt(&name))),
         };
         let load = self.load.map(|load| {
-            if load.mass_kg() >= 0.0 {
-                load.payload().map_err(|fault| fault.to_string())
-            } else {
-                Err(format!("mass_kg is {}; it must be 0 or more", load.mass_kg()))
-            }
+            let payload = load.payload().map_err(|fault| fault.to_string())?;
+            payload.load.check().map_err(|error| error.to_string())?;
+            Ok::<_, String>(payload)
         });
         Ok(Tool {
             tcp: self.tcp.frame()?,

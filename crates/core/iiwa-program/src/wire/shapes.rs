@@ -15,7 +15,7 @@ use crate::flange_load::{FlangeLoad, LoadShape, MAX_SHAPES, ShapeFault};
 #[schemars(rename = "Load")]
 pub(super) struct LoadWire {
     /// Mass, in kg.
-    #[schemars(range(min = 0))]
+    #[schemars(range(min = 0, max = Load::MAX_MASS_KG))]
     mass_kg: f64,
     /// Centre of mass in the flange frame, in mm.
     #[serde(default, deserialize_with = "three")]
@@ -151,10 +151,6 @@ impl LoadWire {
         });
         let payload = FlangeLoad { load, shapes: shapes.collect::<Result<_, _>>()? };
         payload.shape_fault().map_or(Ok(payload), Err)
-    }
-
-    pub(super) fn mass_kg(&self) -> f64 {
-        self.mass_kg
     }
 }
 
