@@ -258,8 +258,8 @@ pub(crate) struct Run {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// First time stamp in the recording, from 1970 to 2037, such as 2020-01-01T00:00:00Z [default:
-    /// start of the program]
+    /// Time stamp of the first sample in the recording, such as 2020-01-01T00:00:00Z; years 1970 to
+    /// 2037 [default: the time at which the program starts]
     #[arg(long, value_name = "TIME", value_parser = epoch, conflicts_with = "no_output")]
     pub(crate) epoch: Option<Duration>,
 

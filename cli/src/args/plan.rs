@@ -40,9 +40,9 @@ const URDF: &str = "URDF whose meshes (STL, OBJ or Collada), as convex hulls, re
 /// for all programs in the folder, sorted by name: its *.json files except hidden files, robot
 /// profiles, scenes, files of frames and JSON Schemas. A note names each file that is left out,
 /// except hidden files. The table then has one row per program: cycle time, time in motion, time at
-/// rest (settling and waiting), and the main limit. The main limit is the limit that holds back the
-/// program for most of the time: each motion counts with its whole duration for the limit that is
-/// active longest in it or, if none is active, for the limit that it approaches most closely. A
+/// rest (settling and waiting), and the main limit. For the main limit, the whole duration of each
+/// motion is assigned to one limit: the limit that is active longest in it or, if none is active,
+/// the limit that it approaches most closely. The main limit is the one with the largest sum. A
 /// failed program is reported on standard error and does not stop the others; the exit code is then
 /// 3.
 ///

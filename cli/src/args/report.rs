@@ -9,11 +9,11 @@ use super::{LogReading, Urdf};
 /// Make an HTML page of a plan or a recording: moving arm, path, joint curves, motions.
 ///
 /// The page is one HTML file that needs no network: the arm in 3D, with controls to play, pause,
-/// seek and change the speed; the flange path with its blends and the spheres of their radii;
-/// position, velocity, acceleration, jerk and torque (link side) of the joints with their limits;
-/// the start, duration and active limit of each motion. With a second file, the page also shows the
-/// measured arm and the errors of `iiwasim compare`; with --scene, the obstacles, the tool and the
-/// clearance over time.
+/// seek and change the speed; the flange path with its blends, and a sphere for each blend that has
+/// a radius; position, velocity, acceleration, jerk and torque (link side) of the joints with their
+/// limits; the start, duration and active limit of each motion. With a second file, the page also
+/// shows the measured arm and the errors of `iiwasim compare`; with --scene, the obstacles, the
+/// tool and the clearance over time.
 ///
 /// A recording of `iiwasim run` contains its program and is shown beside its plan. Other recordings
 /// do not contain a program: their pages show neither a plan nor a list of motions. A truncated

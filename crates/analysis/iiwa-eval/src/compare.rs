@@ -62,8 +62,8 @@ pub struct Comparison {
     pub stops: Vec<StopTime>,
     /// Deviation from the path in joint space, in rad.
     pub joints_rad: Deviation,
-    /// Deviation from the TCP path, in m: the distance between the measured TCP and the nearest
-    /// point of the planned TCP path around the matched point.
+    /// Deviation from the TCP path, in m: the distance of the measured TCP from the planned TCP
+    /// path, near the point that was matched in joint space.
     pub tcp_m: Deviation,
     /// Largest path deviations of each motion, in order; motions without samples are omitted.
     pub motion_deviations: Vec<MotionDeviation>,
@@ -263,9 +263,9 @@ fn report_gaps(
     }
 }
 
-/// Checks an edge (the instant at which the arm leaves a stop or arrives at one) without a recorded
-/// rest: the samples before the start, or after the end, must be close to the plan's start or end.
-/// A recording that is cut to the motion has no such samples.
+/// Checks an edge, the instant at which the arm leaves a stop or arrives at one, if the recording
+/// shows no rest there: the sample 0.1 s before the start (or after the end) must be close to the
+/// plan's start (or end). A recording that is cut to the motion does not contain this sample.
 fn check_rest(
     plan: &PlannedTrajectory,
     log: &JointLog,
@@ -337,7 +337,7 @@ impl PassingTimes {
             if to_s - from_s > noise.gap_s() {
                 losses.push(format!(
                     "the {name} of the motion is in a gap of the recording of {:.3} s: it is \
-                     calculated from what follows the gap",
+                     calculated from the samples of the motion next to the gap",
                     to_s - from_s
                 ));
             }

@@ -222,8 +222,8 @@ impl JointPath {
     }
 
     /// TCP of a motion in the flange frame: that of the tool of the motion, or else of the program.
-    /// A wait has the TCP of the motion before. The flange itself is [`Pose::IDENTITY`], also for
-    /// paths that were not built from a program.
+    /// A wait has the TCP of the motion before. Without a tool, and for paths that were not built
+    /// from a program, the TCP is the flange, [`Pose::IDENTITY`].
     ///
     /// ```
     /// use iiwa_kin::{Pose, Robot};
@@ -287,9 +287,9 @@ impl JointPath {
         self.load(motion).map_or(empty, |load| empty.with_load(load))
     }
 
-    /// Waits of the program that overlap motions, in order. Where the robot stops in any case, each
-    /// of them is a [`Step::Wait`] of 0 s; a wait before a blend has no step. How long the robot
-    /// rests for a wait is known only after the time parameterisation.
+    /// Waits of the program that overlap motions, in order. If the motion before the wait ends with
+    /// a stop, the wait is a [`Step::Wait`] of 0 s; if it ends with a blend, the wait has no step.
+    /// The time that the robot rests for a wait is known only after the time parameterisation.
     #[must_use]
     pub fn overlapping_waits(&self) -> &[OverlappingWait] {
         &self.carried.waits

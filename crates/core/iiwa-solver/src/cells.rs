@@ -4,15 +4,17 @@
 //! from W0 to W1:
 //! `x(f) = x + V f + W0 (f^2/2 - f^3/6) + W1 f^3/6`.
 //! The state of a cell is (x, V, W0, W1) at its start. Limits apply
-//! - to velocity at three of the four control points of the cubic (the fourth is the first one of
-//!   the next cell): x stays in their hull (where q' varies, places in between are checked
-//!   afterwards);
-//! - to acceleration at the start and in the middle, or on lines at the middle control point of V;
-//! - to jerk at both ends and in the middle;
+//! - to velocity, at three of the four control points of the cubic; the fourth is the first one of
+//!   the next cell. Since x stays in the hull of the control points, this is sufficient where
+//!   dq/dsigma is constant; elsewhere, places in between are checked afterwards;
+//! - to acceleration, at the start and in the middle; on straight lines, at the start and at the
+//!   middle control point of V;
+//! - to jerk, at both ends and in the middle;
 //! - to further quantities, such as torques, at the start and in the middle.
 //!
-//! Each limit is a row, divided by the limit: its bound is 1, for jerk `x^(-1/2)`. A row has a
-//! slack s and a dual z on either side.
+//! Each limit becomes a row, which is divided by the value of the limit, so that its bound is 1.
+//! Jerk is sqrt(x) times a linear function of the state; its row is this function, with the bound
+//! `x^(-1/2)`. A row has a slack s and a dual z on either side.
 
 use std::ops::Range;
 

@@ -1,4 +1,5 @@
-//! Primal-dual interior-point method for the time-optimal x(sigma) over the cells of a section.
+//! Primal-dual interior-point method for the time-optimal x(sigma) over the cells of a section,
+//! where sigma is the path parameter and x = (dsigma/dt)^2.
 //!
 //! The duration, `sum of length / 2 (x_start^(-1/2) + x_end^(-1/2))`, is minimised over the states
 //! of the cells, subject to their limits. In each cell x is a cubic of the share f of its length,
@@ -8,9 +9,11 @@
 //! Neighbouring cells can differ in length by a factor of thousands; one banded system for all x
 //! would lose precision there, but the recursion does not.
 //!
-//! Iterates may be infeasible: slacks need not match their constraints (rows), which allows long
-//! steps; and the end of a cell need not match the start of the next one, so that each cell keeps
-//! its precision although x falls from 20 to 1e-7 within a section.
+//! Iterates may be infeasible in two ways. Slacks need not match their constraints (rows), which
+//! allows long steps. And each cell stores its own x and V, so that the end of a cell need not
+//! match the start of the next one until the method has converged: if x were computed from cell to
+//! cell, its small values would inherit the rounding errors of its large ones (x falls from 20 to
+//! 1e-7 within a section).
 //!
 //! After the limits of a few cells have changed, only a window of cells around them is solved
 //! again, because the change affects the optimum only nearby.
@@ -54,8 +57,7 @@ pub enum SolveError {
 
 /// The problem of one section, with the current iterate.
 pub(crate) struct Solver {
-    /// Lengths of the cells between the first and the last one, in which the motion starts and ends
-    /// at rest.
+    /// Lengths of the cells, without the two that touch rest ([`Rests`]).
     lengths: Vec<f64>,
     /// `true` where W0 and W1 of a cell are free; elsewhere both are zero.
     free: Vec<bool>,
@@ -196,8 +198,8 @@ impl Solver {
         self.restart(SETTINGS.cold);
     }
 
-    /// Sets the states to a quadratic B-spline close to `x`, which has one value per node, without
-    /// the cells at rest.
+    /// Sets the states to a quadratic B-spline close to `x`, which has one value per node of the
+    /// cells that do not touch rest.
     fn guess(&mut self, x: &[f64]) {
         let n = self.lengths.len();
         let length = |k: usize| if k == 0 || k > n { 0.0 } else { self.lengths[k - 1] };
@@ -311,7 +313,8 @@ impl Solver {
             .fold(0.0, f64::max)
     }
 
-    /// Returns 1 if neighbouring cells join, and infinity otherwise.
+    /// Factor by which the motion has to be slowed down because of gaps between cells: 1 without
+    /// gaps, and otherwise infinity, because no slowdown closes a gap.
     pub(crate) fn continuity_defect(&self) -> f64 {
         /// Share of x and V that counts as rounding.
         const ROUNDING: f64 = 1e-7;
@@ -334,15 +337,17 @@ impl Solver {
         moving + rests.sum::<f64>()
     }
 
-    /// V over x in the first cell, if it is in the window and starts at rest, where x is
-    /// proportional to sigma^(4/3).
+    /// V over x at the start of the first cell, given by the cell from rest before it, in which x
+    /// is proportional to sigma^(4/3). `None` if the window does not contain the first cell, or the
+    /// section does not start at rest.
     fn slope_from_rest(&self) -> Option<f64> {
         let from = self.rests.from.as_ref().filter(|_| self.window.start == 0);
         from.map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
     }
 
-    /// Linear function of the state of the last cell that is zero if x reaches rest as sigma^(4/3);
-    /// `None` if the section does not end at rest.
+    /// Coefficients of a linear function of the last cell's state. The function is zero if x falls
+    /// to zero in proportion to sigma^(4/3), with sigma counted from the stop. `None` if the
+    /// section does not end at rest.
     fn to_rest(&self) -> Option<CellState> {
         let rest = self.rests.to.as_ref()?;
         let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * rest.length);

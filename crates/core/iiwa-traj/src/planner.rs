@@ -43,9 +43,9 @@ const PLANS_DIFFER_S: f64 = 0.02;
 /// because a wait that overlaps the motion before the blend can delay the next motion.
 enum Decided {
     /// The program sends the next motion in time for the blend into it. `needed_s` is the latest
-    /// time in s at which the program may send the motion. If it was not necessary to compute this
-    /// time, `needed_s` is a lower bound of it: the largest `needed_s` of the earlier blends, or
-    /// negative infinity.
+    /// time in s at which the program may send the motion. Where this time was not necessary,
+    /// `needed_s` is a lower bound: the largest `needed_s` of the earlier blends (a later blend
+    /// never needs its motion earlier), or negative infinity.
     InTime { needed_s: f64 },
     /// The program sends the next motion too late. Contains the section that stops before the
     /// blend.
@@ -129,9 +129,9 @@ impl Planner {
     }
 
     /// Applies Sunrise's limits to the path. The speed of a LIN or CIRC motion from rest to rest is
-    /// at most its length over `least_cruise_s`, as recorded: at constant speed, each of them would
-    /// take at least this time, however short it is. In T1, the function also stores the path
-    /// without the T1 speed limit, in `unsupervised`.
+    /// at most its length over `least_cruise_s`, as in recordings: even a very short motion would
+    /// take `least_cruise_s` at constant speed. In T1, the function also stores the path without
+    /// the T1 speed limit, in `unsupervised`.
     fn limit_as_sunrise(&mut self) {
         self.unsupervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
@@ -173,9 +173,9 @@ impl Planner {
 
     /// Adds a limit that is linear in the acceleration `u` along the path and in the squared path
     /// speed `x`: `-1 <= a u + b x + c <= 1`. The fields `acceleration`, `square` and `offset` of a
-    /// [`PathRow`](crate::PathRow) are a, b and c. With s as the parameter of the derivatives that
-    /// [`RowLimit::rows`](crate::RowLimit::rows) gets, `u` is the second time derivative of s, and
-    /// `x` the square of the first.
+    /// [`PathRow`](crate::PathRow) are a, b and c. Here `u` is the second time derivative of the
+    /// path parameter s and `x` the square of the first; [`RowLimit::rows`](crate::RowLimit::rows)
+    /// gets derivatives with respect to s.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -425,7 +425,8 @@ impl Planner {
         let delays = |step: &usize| {
             waits_before_blend(&self.path, *step).iter().any(|wait| wait.seconds > 0.0)
         };
-        // The robot has already stopped before the first move, even if that is a blend.
+        // The first move needs no decision, because the section begins at rest. It is a blend if
+        // the previous section stopped before a blend whose next motion came too late.
         let blends: Vec<usize> = (moves.start + 1..moves.end).filter(delays).collect();
         let mut in_time = 0;
         // Largest `needed_s` of the blends decided so far, in s.

@@ -146,9 +146,10 @@ impl Drive {
             ready: Arc::clone(&ready),
         };
         threads.spawn("drive FRI", move |shutdown| fri.run(shutdown))?;
-        // The FRI thread has now recorded its priority, which `answer_latency` reports.
+        // Wait until the FRI thread has recorded its priority, which `answer_latency` reports.
         ready.wait();
-        // This thread ends with the publishing threads, which hold the senders.
+        // The publish thread ends when the FRI and dispatcher threads have ended, because these
+        // hold the senders.
         threads.spawn("drive publish", move |_| publish::publish(&to_publish, &stream))?;
         let (jobs, jobs_in) = mpsc::channel();
         let robot = config.robot;
