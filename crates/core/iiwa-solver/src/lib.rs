@@ -83,6 +83,7 @@ mod quadratic;
 mod rest_ramp;
 mod rests;
 mod riccati;
+mod riccati_parts;
 mod row_limit;
 mod settings;
 mod slack_pair;
