@@ -89,6 +89,7 @@ mod settings;
 mod slack_pair;
 mod solution;
 mod solver;
+mod stage_chain;
 mod velocity_rows;
 
 pub use attempt::Window;

@@ -10,32 +10,14 @@
 //! fixed state of the cell after it. Long chains are solved in eight parts side by side
 //! (`riccati_parts`).
 
-use std::ops::Range;
-
 use pulp::Simd;
 
 use crate::{
     functionals::{CellState, EndV, EndX, Functional},
     quadratic::Quadratic,
     riccati_parts::{self, PartGain, Parts},
+    stage_chain::{CostToGo, StageChain},
 };
-
-/// The stages and their boundary conditions.
-#[derive(Clone)]
-pub(crate) struct StageChain<'a> {
-    /// Cells that are stages; all others are fixed.
-    pub(crate) stages: Range<usize>,
-    pub(crate) lengths: &'a [f64],
-    /// `true` where W0 and W1 of a cell are free; elsewhere both are zero.
-    pub(crate) free: &'a [bool],
-    pub(crate) quadratics: &'a [Quadratic],
-    pub(crate) states: &'a [CellState],
-    /// V over x at the start, if the first stage follows a rest; else both are fixed.
-    pub(crate) slope_from_rest: Option<f64>,
-    /// Row of the last cell that has to be zero for x to come to rest. Used if that cell is a
-    /// stage.
-    pub(crate) to_rest: CellState,
-}
 
 /// Feedback `dW0 = -w0 [dx, dV, 1]`, `dW1 = -w1 [dx, dV, 1]`, and the closed-loop transition to the
 /// next state, `next [dx, dV, 1]`.
@@ -94,24 +76,6 @@ impl Gain {
         let slope: CellState = std::array::from_fn(|a| g[a] + constant[a]);
         let second = [dot(&by[0], &of_x), dot(&by[0], &of_v), dot(&by[1], &of_v)];
         CostToGo { p: second, g: by.map(|by| dot(&by, &slope)) }
-    }
-}
-
-/// Cost-to-go, a quadratic function of the step of (x, V) at a stage.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct CostToGo {
-    /// Second derivatives by (x, x), (x, V), (V, V).
-    pub(crate) p: [f64; 3],
-    /// First derivatives.
-    pub(crate) g: [f64; 2],
-}
-
-impl CostToGo {
-    /// Returns the nearest convex function: rounding can make a cost-to-go indefinite.
-    #[inline(always)]
-    pub(crate) fn convex([xx, xv, vv]: [f64; 3], g: [f64; 2]) -> Self {
-        let is_convex = !(xx < 0.0 || vv < 0.0 || xv * xv > xx * vv);
-        Self { p: if is_convex { [xx, xv, vv] } else { convex([xx, xv, vv]) }, g }
     }
 }
 
@@ -275,15 +239,6 @@ fn forwards<S: Simd>(
         let by = |row: [f64; 3]| fused::<S>(row[0], x, fused::<S>(row[1], v, row[2]));
         [x, v] = next.map(by);
     }
-}
-
-/// Returns the second derivatives by (x, x), (x, V), (V, V) of the nearest convex function:
-/// rounding can make a cost-to-go indefinite.
-#[cold]
-fn convex([xx, xv, vv]: [f64; 3]) -> [f64; 3] {
-    let (xx, vv) = (xx.max(0.0), vv.max(0.0));
-    let bound = (xx * vv).sqrt();
-    [xx, if xv * xv > xx * vv { bound.copysign(xv) } else { xv }, vv]
 }
 
 /// Continuity defect in x and V between the end of cell `k` and the start of the next one.

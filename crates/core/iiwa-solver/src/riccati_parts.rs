@@ -12,7 +12,7 @@ use crate::{
     functionals::{CellState, EndV, EndX, Functional},
     lanes::{LANES, Lanes, Vector, registers},
     quadratic::Terms,
-    riccati::{CostToGo, StageChain},
+    stage_chain::{CostToGo, StageChain},
 };
 
 /// Number of stages from which parts are used.

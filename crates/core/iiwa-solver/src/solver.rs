@@ -36,9 +36,10 @@ use crate::{
     mesh::Mesh,
     quadratic::Quadratic,
     rests::{RestCell, Rests, ScalarSlackPair},
-    riccati::{self, Gains, NotConvex, StageChain},
+    riccati::{self, Gains, NotConvex},
     settings::{InteriorPointSettings, WarmStart},
     slack_pair::{InteriorStep, SlackStart},
+    stage_chain::StageChain,
 };
 
 /// An error of the solver: it returns no solution.
