@@ -491,6 +491,11 @@ impl pulp::WithSimd for Check<'_, '_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
         let Check { attempt, segments, window } = self;
-        window.map(|k| attempt.largest_shares_in(k, segments)).collect()
+        // A closure that an iterator calls would be compiled without the vector registers of `S`.
+        let mut shares = Vec::with_capacity(window.len());
+        for k in window {
+            shares.push(attempt.largest_shares_in(k, segments));
+        }
+        shares
     }
 }

@@ -25,7 +25,7 @@ pub(crate) struct BoundedRow {
     v: Lanes,
     lower: Lanes,
     upper: Lanes,
-    sides: Sides,
+    pub(crate) sides: Sides,
 }
 
 impl BoundedRow {
@@ -147,20 +147,20 @@ impl BoundedRow {
         }
     }
 
-    /// Finds the steps of slacks and duals, where `y` is the state after a full step.
+    /// Finds the steps of the slacks, where `y` is the state after a full step.
     #[inline(always)]
     pub(crate) fn find_steps<const LINE: bool, X: Functional, V: Functional, S: Simd>(
         rows: &mut [Self],
         r: usize,
         y: &[Vector<S>; 4],
-        mu: Vector<S>,
         decreases: &mut Decreases<S>,
     ) {
+        let simd = y[0].simd();
         let place = [X::of(y), V::of(y)];
         for row in rows {
-            let value = row.value::<LINE, S>(mu.simd(), r, place);
-            let bounds = row.bounds(mu.simd(), r);
-            row.sides.find_steps(r, value, bounds, mu, decreases);
+            let value = row.value::<LINE, S>(simd, r, place);
+            let bounds = row.bounds(simd, r);
+            row.sides.find_steps(r, value, bounds, decreases);
         }
     }
 }

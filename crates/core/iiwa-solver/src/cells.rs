@@ -71,8 +71,11 @@ impl Lowering {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LargestDecreases {
     pub(crate) slack: f64,
+    /// Not computed where it cannot exceed `irrelevant_dual`.
     pub(crate) dual: f64,
     pub(crate) x: f64,
+    /// Decrease of duals that does not shorten a step: smaller decreases need not be computed.
+    pub(crate) irrelevant_dual: f64,
 }
 
 /// Eight cells with at most `J` rows of each kind at a place; with one row, they are on lines.
@@ -397,6 +400,29 @@ impl AnyBlock<'_> {
         !at_start.is_empty()
     }
 
+    /// Raises the largest decrease of duals to that of all rows, after their steps are known.
+    #[inline(always)]
+    fn raise_dual_decreases<S: Simd>(&self, r: usize, mu: Vector<S>, decreases: &mut Decreases<S>) {
+        for row in self.velocities.iter() {
+            row.sides.raise_dual_decrease(r, mu, decreases);
+        }
+        for rows in &self.accelerations {
+            for row in rows.iter() {
+                row.sides.raise_dual_decrease(r, mu, decreases);
+            }
+        }
+        for rows in &self.others {
+            for row in rows.iter() {
+                row.sides.raise_dual_decrease(r, mu, decreases);
+            }
+        }
+        for rows in &self.jerks {
+            for row in rows.iter() {
+                row.sides.raise_dual_decrease(r, mu, decreases);
+            }
+        }
+    }
+
     #[inline(always)]
     fn gather(&self, states: &[CellState]) -> [Lanes; 4] {
         std::array::from_fn(|a| Lanes::from_fn(|l| states[self.cells[l]][a]))
@@ -528,45 +554,49 @@ impl AnyBlock<'_> {
                         &std::array::from_fn(|a| before[a] + lane_steps[a].load(simd, r));
                     let decreases = &mut Decreases::new(simd);
                     let [first, second, third] = block.velocities;
-                    first.find_steps::<StartX, S>(r, after, mu, decreases);
-                    second.find_steps::<SecondControlX, S>(r, after, mu, decreases);
-                    third.find_steps::<ThirdControlX, S>(r, after, mu, decreases);
+                    first.find_steps::<StartX, S>(r, after, decreases);
+                    second.find_steps::<SecondControlX, S>(r, after, decreases);
+                    third.find_steps::<ThirdControlX, S>(r, after, decreases);
                     let [at_start, in_middle] = &mut block.accelerations;
                     BoundedRow::find_steps::<LINE, StartX, StartV, S>(
-                        at_start, r, after, mu, decreases,
+                        at_start, r, after, decreases,
                     );
                     if LINE {
                         BoundedRow::find_steps::<LINE, MiddleX, ControlV, S>(
-                            in_middle, r, after, mu, decreases,
+                            in_middle, r, after, decreases,
                         );
                     } else {
                         BoundedRow::find_steps::<LINE, MiddleX, MiddleV, S>(
-                            in_middle, r, after, mu, decreases,
+                            in_middle, r, after, decreases,
                         );
                     }
                     if has_others {
                         let [at_start, in_middle] = &mut block.others;
                         BoundedRow::find_steps::<false, StartX, StartV, S>(
-                            at_start, r, after, mu, decreases,
+                            at_start, r, after, decreases,
                         );
                         BoundedRow::find_steps::<false, MiddleX, MiddleV, S>(
-                            in_middle, r, after, mu, decreases,
+                            in_middle, r, after, decreases,
                         );
                     }
                     let [at_start, at_end, in_middle] = &mut block.jerks;
                     let both = [before, after];
                     JerkRow::find_steps::<LINE, StartX, StartV, StartW, S>(
-                        at_start, r, both, mu, decreases,
+                        at_start, r, both, decreases,
                     );
-                    JerkRow::find_steps::<LINE, EndX, EndV, EndW, S>(
-                        at_end, r, both, mu, decreases,
-                    );
+                    JerkRow::find_steps::<LINE, EndX, EndV, EndW, S>(at_end, r, both, decreases);
                     JerkRow::find_steps::<LINE, MiddleX, MiddleV, MiddleW, S>(
-                        in_middle, r, both, mu, decreases,
+                        in_middle, r, both, decreases,
                     );
                     largest.slack = largest.slack.max(decreases.slack.largest());
-                    largest.dual = largest.dual.max(decreases.dual.largest());
                     largest.x = largest.x.max(decreases.x.largest());
+                    // False for NaN, so that this case is not passed over.
+                    let is_irrelevant =
+                        decreases.dual_bound() <= largest.dual.max(largest.irrelevant_dual);
+                    if !is_irrelevant {
+                        block.raise_dual_decreases(r, mu, decreases);
+                        largest.dual = largest.dual.max(decreases.dual.largest());
+                    }
                 }
             },
         );

@@ -26,7 +26,7 @@ pub(crate) struct JerkRow {
     x: Lanes,
     v: Lanes,
     w: Lanes,
-    sides: Sides,
+    pub(crate) sides: Sides,
 }
 
 impl JerkRow {
@@ -161,7 +161,7 @@ impl JerkRow {
         }
     }
 
-    /// Finds the steps of slacks and duals, where `before` is the state and `after` the state after
+    /// Finds the steps of the slacks, where `before` is the state and `after` the state after
     /// a full step.
     #[inline(always)]
     pub(crate) fn find_steps<
@@ -174,10 +174,10 @@ impl JerkRow {
         rows: &mut [Self],
         r: usize,
         [before, after]: [&[Vector<S>; 4]; 2],
-        mu: Vector<S>,
         decreases: &mut Decreases<S>,
     ) {
-        let one = Vector::splat(mu.simd(), 1.0);
+        let simd = before[0].simd();
+        let one = Vector::splat(simd, 1.0);
         let x = X::of(before);
         let place = [X::of(after), V::of(after), W::of(after)];
         let inverse = x.inverse();
@@ -186,8 +186,8 @@ impl JerkRow {
         let bound = x.sqrt() * inverse * (one - growth * 0.5);
         decreases.x = decreases.x.max(-growth);
         for row in rows {
-            let value = row.value::<LINE, S>(mu.simd(), r, place);
-            row.sides.find_steps(r, value, [-bound, bound], mu, decreases);
+            let value = row.value::<LINE, S>(simd, r, place);
+            row.sides.find_steps(r, value, [-bound, bound], decreases);
         }
     }
 }

@@ -83,11 +83,13 @@ mod quadratic;
 mod rest_ramp;
 mod rests;
 mod riccati;
+mod riccati_parts;
 mod row_limit;
 mod settings;
 mod slack_pair;
 mod solution;
 mod solver;
+mod stage_chain;
 mod velocity_rows;
 
 pub use attempt::Window;

@@ -7,32 +7,17 @@
 //! `p_xx x^2 / 2 + p_xv x V + p_vv V^2 / 2 + pg_x x + pg_v V` and eliminates W1 and then W0 as
 //! scalars. The forward pass applies the feedback. Time is linear in the number of cells. A range
 //! of cells can be solved alone: its start is fixed, and W0 and W1 of its last cell follow from the
-//! fixed state of the cell after it.
-
-use std::ops::Range;
+//! fixed state of the cell after it. Long chains are solved in eight parts side by side
+//! (`riccati_parts`).
 
 use pulp::Simd;
 
 use crate::{
     functionals::{CellState, EndV, EndX, Functional},
     quadratic::Quadratic,
+    riccati_parts::{self, PartGain, Parts},
+    stage_chain::{CostToGo, StageChain},
 };
-
-/// The stages and their boundary conditions.
-pub(crate) struct StageChain<'a> {
-    /// Cells that are stages; all others are fixed.
-    pub(crate) stages: Range<usize>,
-    pub(crate) lengths: &'a [f64],
-    /// `true` where W0 and W1 of a cell are free; elsewhere both are zero.
-    pub(crate) free: &'a [bool],
-    pub(crate) quadratics: &'a [Quadratic],
-    pub(crate) states: &'a [CellState],
-    /// V over x at the start, if the first stage follows a rest; else both are fixed.
-    pub(crate) slope_from_rest: Option<f64>,
-    /// Row of the last cell that has to be zero for x to come to rest. Used if that cell is a
-    /// stage.
-    pub(crate) to_rest: CellState,
-}
 
 /// Feedback `dW0 = -w0 [dx, dV, 1]`, `dW1 = -w1 [dx, dV, 1]`, and the closed-loop transition to the
 /// next state, `next [dx, dV, 1]`.
@@ -72,10 +57,9 @@ impl Gain {
         Self { w0, w1, next: [row(EndX::ROW, 1.0, dx), row(EndV::ROW, ratio, dv)] }
     }
 
-    /// Cost-to-go from the start of the cell: second derivatives by (x, x), (x, V), (V, V), and
-    /// first derivatives.
+    /// Cost-to-go from the start of the cell.
     #[inline(never)]
-    fn cost(&self, Quadratic { h, g }: &Quadratic) -> ([f64; 3], [f64; 2]) {
+    fn cost(&self, Quadratic { h, g }: &Quadratic) -> CostToGo {
         let ([w0x, w0v, w0], [w1x, w1v, w1]) = (self.w0, self.w1);
         let by = [[1.0, 0.0, -w0x, -w1x], [0.0, 1.0, -w0v, -w1v]];
         let [xx, xv, xw, xz, vv, vw, vz, ww, wz, zz] = *h;
@@ -91,8 +75,15 @@ impl Gain {
         let constant = product([0.0, 0.0, -w0, -w1]);
         let slope: CellState = std::array::from_fn(|a| g[a] + constant[a]);
         let second = [dot(&by[0], &of_x), dot(&by[0], &of_v), dot(&by[1], &of_v)];
-        (second, by.map(|by| dot(&by, &slope)))
+        CostToGo { p: second, g: by.map(|by| dot(&by, &slope)) }
     }
+}
+
+/// Gains of the stages, of a chain and of its parts.
+#[derive(Default)]
+pub(crate) struct Gains {
+    stages: Vec<Gain>,
+    parts: Vec<PartGain>,
 }
 
 /// Error: the quadratic function has no minimum, because numbers are out of range.
@@ -102,19 +93,40 @@ pub(crate) struct NotConvex;
 /// Finds the steps of all states.
 #[inline(always)]
 pub(crate) fn solve<S: Simd>(
-    _: S,
+    simd: S,
     chain: &StageChain<'_>,
-    gains: &mut [Gain],
+    gains: &mut Gains,
     steps: &mut [CellState],
 ) -> Result<(), NotConvex> {
+    let Gains { stages: gains, parts } = gains;
+    gains.resize(chain.lengths.len(), Gain::default());
+    if let Some((mut parts, count)) = Parts::of::<S>(chain, parts) {
+        let first = chain.stages.start;
+        let rest = StageChain { stages: first + count..chain.stages.end, ..chain.clone() };
+        let after = backwards::<S>(&rest, gains);
+        let costs = parts.backwards(simd);
+        if let Some((cost, ends)) = riccati_parts::join(&costs, after) {
+            let between = riccati_parts::between(first_step(chain, cost)?, &ends);
+            parts.forwards(simd, &between, steps);
+            forwards::<S>(&rest, gains, between[between.len() - 1], steps);
+            return Ok(());
+        }
+    }
+    let cost = backwards::<S>(chain, gains);
+    forwards::<S>(chain, gains, first_step(chain, cost)?, steps);
+    Ok(())
+}
+
+/// Backward pass: finds the feedback of all stages. Returns the cost-to-go from the first one.
+#[inline(always)]
+fn backwards<S: Simd>(chain: &StageChain<'_>, gains: &mut [Gain]) -> CostToGo {
     let StageChain { ref stages, lengths, free, quadratics, states, ref to_rest, .. } = *chain;
     let n = lengths.len();
-    // Cost-to-go: second derivatives by (x, x), (x, V), (V, V), and first derivatives.
-    let (mut p, mut pg) = ([0.0_f64; 3], [0.0_f64; 2]);
+    let mut cost = CostToGo::default();
     for k in stages.clone().rev() {
         if k + 1 == stages.end && k + 1 < n {
             gains[k] = Gain::meeting(lengths, states, k);
-            (p, pg) = gains[k].cost(&quadratics[k]);
+            cost = gains[k].cost(&quadratics[k]);
             continue;
         }
         let Quadratic { h: mut m, mut g } = quadratics[k];
@@ -124,15 +136,16 @@ pub(crate) fn solve<S: Simd>(
         let mut onward = (0.0, [0.0; 2]);
         if k + 1 < stages.end {
             let [dx, dv] = defect(lengths, states, k);
-            pg = [
-                fused::<S>(p[0], dx, fused::<S>(p[1], dv, pg[0])),
-                fused::<S>(p[1], dx, fused::<S>(p[2], dv, pg[1])),
+            let CostToGo { p, g: next } = cost;
+            let next = [
+                fused::<S>(p[0], dx, fused::<S>(p[1], dv, next[0])),
+                fused::<S>(p[1], dx, fused::<S>(p[2], dv, next[1])),
             ];
             // V of the next cell in units of the length of this one.
             let ratio = lengths[k + 1] / lengths[k];
             onward = (ratio, [dx, dv]);
             let [xx, xv, vv] = [p[0], ratio * p[1], ratio * ratio * p[2]];
-            let slope = [pg[0], ratio * pg[1]];
+            let slope = [next[0], ratio * next[1]];
             let mut i = 0;
             for a in 0..4 {
                 let (ex, ev) = (EndX::ROW[a], EndV::ROW[a]);
@@ -182,35 +195,34 @@ pub(crate) fn solve<S: Simd>(
         }
         let (ratio, defect) = onward;
         gains[k] = gain.leading_on::<S>(ratio, defect);
-        if xx < 0.0 || vv < 0.0 || xv * xv > xx * vv {
-            [xx, xv, vv] = convex([xx, xv, vv]);
-        }
-        p = [xx, xv, vv];
-        pg = [g[0], g[1]];
+        cost = CostToGo::convex([xx, xv, vv], [g[0], g[1]]);
     }
-    forwards::<S>(chain, gains, (p, pg), steps)
+    cost
 }
 
-/// Forward pass: finds the steps from the feedback of all stages and the cost-to-go from the first
-/// one.
+/// Step of x and V at the first stage, from the cost-to-go from there.
+#[inline(always)]
+fn first_step(chain: &StageChain<'_>, CostToGo { p, g }: CostToGo) -> Result<[f64; 2], NotConvex> {
+    let Some(slope) = chain.slope_from_rest else { return Ok([0.0; 2]) };
+    let curvature = p[0] + slope * (2.0 * p[1] + slope * p[2]);
+    if !(curvature > 0.0 && curvature.is_finite()) {
+        return Err(NotConvex);
+    }
+    let x = -(g[0] + slope * g[1]) / curvature;
+    Ok([x, slope * x])
+}
+
+/// Forward pass: finds the steps from the feedback of all stages and the step of x and V at the
+/// first one.
 #[inline(always)]
 fn forwards<S: Simd>(
     chain: &StageChain<'_>,
     gains: &[Gain],
-    (p, pg): ([f64; 3], [f64; 2]),
+    [mut x, mut v]: [f64; 2],
     steps: &mut [CellState],
-) -> Result<(), NotConvex> {
-    let StageChain { ref stages, lengths, free, slope_from_rest, ref to_rest, .. } = *chain;
+) {
+    let StageChain { ref stages, lengths, free, ref to_rest, .. } = *chain;
     let n = lengths.len();
-    let (mut x, mut v) = (0.0, 0.0);
-    if let Some(slope) = slope_from_rest {
-        let curvature = p[0] + slope * (2.0 * p[1] + slope * p[2]);
-        if !(curvature > 0.0 && curvature.is_finite()) {
-            return Err(NotConvex);
-        }
-        x = -(pg[0] + slope * pg[1]) / curvature;
-        v = slope * x;
-    }
     for k in stages.clone() {
         let Gain { w0, w1, next } = gains[k];
         let mut dy = [x, v, 0.0, 0.0];
@@ -227,16 +239,6 @@ fn forwards<S: Simd>(
         let by = |row: [f64; 3]| fused::<S>(row[0], x, fused::<S>(row[1], v, row[2]));
         [x, v] = next.map(by);
     }
-    Ok(())
-}
-
-/// Returns the second derivatives by (x, x), (x, V), (V, V) of the nearest convex function:
-/// rounding can make a cost-to-go indefinite.
-#[cold]
-fn convex([xx, xv, vv]: [f64; 3]) -> [f64; 3] {
-    let (xx, vv) = (xx.max(0.0), vv.max(0.0));
-    let bound = (xx * vv).sqrt();
-    [xx, if xv * xv > xx * vv { bound.copysign(xv) } else { xv }, vv]
 }
 
 /// Continuity defect in x and V between the end of cell `k` and the start of the next one.
@@ -370,6 +372,62 @@ mod tests {
         eliminated(rows)
     }
 
+    /// Solves a chain with the widest vector registers of this machine.
+    struct WithRegisters<'a>(&'a StageChain<'a>);
+
+    impl pulp::WithSimd for WithRegisters<'_> {
+        type Output = (Vec<CellState>, usize);
+
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let (mut gains, mut steps) = (Gains::default(), vec![[f64::NAN; 4]; 90]);
+            solve(simd, self.0, &mut gains, &mut steps).unwrap();
+            (steps, gains.parts.len())
+        }
+    }
+
+    #[test]
+    fn steps_of_parts_are_those_of_the_whole_chain() {
+        const CELLS: usize = 90;
+        let mut number = numbers();
+        let lengths: Vec<f64> = (0..CELLS).map(|_| 0.5 + 0.45 * number()).collect();
+        let states: Vec<CellState> = (0..CELLS).map(|_| [(); 4].map(|()| number())).collect();
+        let quadratics: Vec<Quadratic> = (0..CELLS)
+            .map(|_| {
+                let mut sum = Quadratic::default();
+                for _ in 0..8 {
+                    sum.add(&[(); 4].map(|()| number()), 1.5 + number(), number());
+                }
+                sum
+            })
+            .collect();
+        let to_rest = [1.0, 1.2, 0.5, 0.4];
+        let free = vec![true; CELLS];
+        for (stages, slope_from_rest) in
+            [(0..90, Some(0.8)), (0..90, None), (3..75, None), (0..65, Some(-0.4)), (26..90, None)]
+        {
+            let case = format!("{stages:?}, {slope_from_rest:?}");
+            let chain = StageChain {
+                stages: stages.clone(),
+                lengths: &lengths,
+                free: &free,
+                quadratics: &quadratics,
+                states: &states,
+                slope_from_rest,
+                to_rest,
+            };
+            let (steps, parts) = pulp::Arch::new().dispatch(WithRegisters(&chain));
+            let registers = !matches!(pulp::Arch::new(), pulp::Arch::Scalar);
+            assert_eq!(parts > 0, registers, "{case}");
+            let expected = dense(&chain);
+            for (step, expected) in steps[stages.clone()].iter().flatten().zip(&expected) {
+                let error = (step - expected).abs();
+                assert!(error < 1e-8 * (1.0 + expected.abs()), "{case}: {step} {expected}");
+            }
+            let (before, after) = (&steps[..stages.start], &steps[stages.end..]);
+            assert!(before.iter().chain(after).flatten().all(|step| step.is_nan()), "{case}");
+        }
+    }
+
     #[test]
     fn steps_are_those_of_a_dense_matrix() {
         let mut number = numbers();
@@ -406,7 +464,7 @@ mod tests {
                 slope_from_rest,
                 to_rest,
             };
-            let (mut gains, mut steps) = ([Gain::default(); 4], [[f64::NAN; 4]; 4]);
+            let (mut gains, mut steps) = (Gains::default(), [[f64::NAN; 4]; 4]);
             solve(pulp::Scalar::new(), &chain, &mut gains, &mut steps).unwrap();
             let expected = dense(&chain);
             for (step, expected) in steps[stages.clone()].iter().flatten().zip(&expected) {

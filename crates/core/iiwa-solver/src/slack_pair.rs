@@ -169,14 +169,26 @@ impl Sides {
         r: usize,
         value: Vector<S>,
         [lower, upper]: [Vector<S>; 2],
+        decreases: &mut Decreases<S>,
+    ) {
+        let Self([above, below]) = self;
+        let above = above.find_step(r, upper - value);
+        let below = below.find_step(r, value - lower);
+        decreases.slack = decreases.slack.max(above).max(below);
+        decreases.min_slack = decreases.min_slack.min(above).min(below);
+    }
+
+    /// Raises the largest decrease of duals to that of these, after [`Self::find_steps`].
+    #[inline(always)]
+    pub(crate) fn raise_dual_decrease<S: Simd>(
+        &self,
+        r: usize,
         mu: Vector<S>,
         decreases: &mut Decreases<S>,
     ) {
         let Self([above, below]) = self;
-        let above = above.find_step(r, upper - value, mu);
-        let below = below.find_step(r, value - lower, mu);
-        decreases.slack = decreases.slack.max(above[0]).max(below[0]);
-        decreases.dual = decreases.dual.max(above[1]).max(below[1]);
+        let (above, below) = (above.dual_decrease(r, mu), below.dual_decrease(r, mu));
+        decreases.dual = decreases.dual.max(above).max(below);
     }
 }
 
@@ -213,33 +225,48 @@ impl SlackPair {
         Advanced { s, z, inverse, weight: z * inverse }
     }
 
-    /// Sets the step that makes the slack equal to `room`. Returns the relative decreases of slack
-    /// and dual in a full step.
+    /// Sets the step that makes the slack equal to `room`. Returns the relative decrease of the
+    /// slack in a full step.
     #[inline(always)]
-    fn find_step<S: Simd>(&mut self, r: usize, room: Vector<S>, mu: Vector<S>) -> [Vector<S>; 2] {
-        let simd = mu.simd();
-        let (s, z) = (self.s.load(simd, r), self.z.load(simd, r));
-        let ds = room - s;
+    fn find_step<S: Simd>(&mut self, r: usize, room: Vector<S>) -> Vector<S> {
+        let simd = room.simd();
+        let ds = room - self.s.load(simd, r);
         self.ds.store(r, ds);
+        -(ds * self.inverse.load(simd, r))
+    }
+
+    /// Relative decrease of the dual in a full step, `1 + ds / s - mu / (s z)`: by linearised
+    /// complementarity, `dz = (mu - z ds) / s - z`.
+    #[inline(always)]
+    fn dual_decrease<S: Simd>(&self, r: usize, mu: Vector<S>) -> Vector<S> {
+        let simd = mu.simd();
+        let (z, ds) = (self.z.load(simd, r), self.ds.load(simd, r));
         let inverse = self.inverse.load(simd, r);
-        let decrease = -(ds * inverse);
-        // dz = (mu - z ds) / s - z.
         let one = Vector::splat(simd, 1.0);
-        [decrease, one - decrease - mu * inverse * z.inverse()]
+        ds.mul_add(inverse, one) - mu * inverse * z.inverse()
     }
 }
 
 /// Largest relative decreases of slacks, duals and x in a full step, for one register of lanes.
 pub(crate) struct Decreases<S: Simd> {
     pub(crate) slack: Vector<S>,
+    /// Smallest relative decrease of a slack; below zero where a slack grows.
+    min_slack: Vector<S>,
     pub(crate) dual: Vector<S>,
     pub(crate) x: Vector<S>,
 }
 
 impl<S: Simd> Decreases<S> {
+    /// Upper bound of the relative decrease of any dual, which needs no division: a dual decreases
+    /// by at most its own value, and by the relative growth of its slack.
+    #[inline(always)]
+    pub(crate) fn dual_bound(&self) -> f64 {
+        1.0 + (-self.min_slack).largest()
+    }
+
     #[inline(always)]
     pub(crate) fn new(simd: S) -> Self {
         let zero = Vector::splat(simd, 0.0);
-        Self { slack: zero, dual: zero, x: zero }
+        Self { slack: zero, min_slack: zero, dual: zero, x: zero }
     }
 }

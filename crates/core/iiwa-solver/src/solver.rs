@@ -39,9 +39,10 @@ use crate::{
     mesh::Mesh,
     quadratic::Quadratic,
     rests::{RestCell, Rests, ScalarSlackPair},
-    riccati::{self, Gain, NotConvex, StageChain},
+    riccati::{self, Gains, NotConvex},
     settings::{InteriorPointSettings, WarmStart},
     slack_pair::{InteriorStep, SlackStart},
+    stage_chain::StageChain,
 };
 
 /// An error of the solver: it returns no solution.
@@ -69,7 +70,7 @@ pub(crate) struct Solver {
     /// The Newton step of the states.
     steps: Vec<CellState>,
     quadratics: Vec<Quadratic>,
-    gains: Vec<Gain>,
+    gains: Gains,
     /// Duality gap relative to the duration: the share that further steps could gain.
     pub(crate) gap: f64,
     /// Target of the next step for the product of each slack and its dual.
@@ -153,7 +154,7 @@ impl Solver {
             states: vec![[0.0; 4]; n],
             steps: vec![[0.0; 4]; n],
             quadratics: vec![Quadratic::default(); n],
-            gains: vec![Gain::default(); n],
+            gains: Gains::default(),
             gap: f64::INFINITY,
             mu: 0.0,
             is_cautious,
@@ -182,7 +183,6 @@ impl Solver {
             solver.states.push([x, dx * length, 0.0, 0.0]);
             solver.steps.push([0.0; 4]);
             solver.quadratics.push(Quadratic::default());
-            solver.gains.push(Gain::default());
         }
         solver
     }
@@ -387,7 +387,7 @@ impl Solver {
             }
             let sums = self.assemble(simd);
             self.find_state_steps(simd)?;
-            let ratios = self.find_slack_steps(simd);
+            let ratios = self.find_slack_steps(simd, dual_beyond * SETTINGS.to_boundary);
             let share = |fall: f64, value: f64| if fall > value { value / fall } else { 1.0 };
             let primal = (primal_beyond * share(ratios.slack, SETTINGS.to_boundary))
                 .min(1.0)
@@ -473,9 +473,9 @@ impl Solver {
     }
 
     #[inline(always)]
-    fn find_slack_steps<S: Simd>(&mut self, simd: S) -> LargestDecreases {
+    fn find_slack_steps<S: Simd>(&mut self, simd: S, irrelevant_dual: f64) -> LargestDecreases {
         let mu = self.mu;
-        let mut largest = LargestDecreases::default();
+        let mut largest = LargestDecreases { irrelevant_dual, ..LargestDecreases::default() };
         for_each_block!(&mut self.blocks, &self.window, block => {
             block.find_slack_steps(simd, &self.states, &self.steps, mu, &mut largest);
         });

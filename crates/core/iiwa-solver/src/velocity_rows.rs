@@ -17,7 +17,7 @@ use crate::{
 pub(crate) struct VelocityRows {
     /// Reciprocal of the largest feasible x.
     x: Lanes,
-    sides: Sides,
+    pub(crate) sides: Sides,
 }
 
 impl VelocityRows {
@@ -65,17 +65,17 @@ impl VelocityRows {
         sum.add_linear::<X>((up - down) * row);
     }
 
-    /// Finds the steps of slacks and duals, where `y` is the state after a full step.
+    /// Finds the steps of the slacks, where `y` is the state after a full step.
     #[inline(always)]
     pub(crate) fn find_steps<X: Functional, S: Simd>(
         &mut self,
         r: usize,
         y: &[Vector<S>; 4],
-        mu: Vector<S>,
         decreases: &mut Decreases<S>,
     ) {
-        let value = self.x.load(mu.simd(), r) * X::of(y);
-        self.sides.find_steps(r, value, bounds(mu.simd()), mu, decreases);
+        let simd = y[0].simd();
+        let value = self.x.load(simd, r) * X::of(y);
+        self.sides.find_steps(r, value, bounds(simd), decreases);
     }
 }
 
