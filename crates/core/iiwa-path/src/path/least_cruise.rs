@@ -41,9 +41,7 @@ impl JointPath {
             if !segment.has_even_tool_way() || top_speed(segment.as_ref(), limits) <= speed {
                 continue;
             }
-            let mut tool = *limits.tool();
-            tool.way[LimitKind::Velocity] = speed.min(tool.way[LimitKind::Velocity]);
-            let limited = Some(Arc::new(limits.with_tool(tool)));
+            let limited = Some(Arc::new(limits.with_minimum_duration(speed)));
             let steps = steps.get_or_insert_with(|| self.steps.to_vec());
             if let Step::Move { limits, .. } = &mut steps[i] {
                 *limits = limited;
