@@ -53,8 +53,8 @@ pub(super) struct FailedProgram<'a> {
     pub(super) errors: ProgramErrors,
 }
 
-/// Plans a program, `program` in messages, and writes its trajectory to `target`, which appears when
-/// it is complete. `progress` is called with the completed share.
+/// Plans a program, with the name `program` in JSON, and writes its trajectory to `target`, which
+/// appears when it is complete. `progress` is called with the completed share.
 pub(super) fn write(
     options: &Plan,
     program: &str,

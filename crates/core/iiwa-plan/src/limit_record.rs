@@ -24,7 +24,7 @@ pub struct LimitRecord {
     /// Kind: `velocity`, `acceleration` or `jerk`, for a TCP limit with the prefix `cart_` (along
     /// the path) or `orientation_` (angular); `torque`; `minimum_duration` of short motions under
     /// Sunrise; `t1_velocity` of TCP and flange in T1; or the name of another limit. In plans of
-    /// earlier versions, `cart_velocity` also stands for the minimum duration and for T1.
+    /// earlier versions, `cart_velocity` is also the kind of the minimum duration and of T1.
     pub kind: Cow<'static, str>,
 }
 

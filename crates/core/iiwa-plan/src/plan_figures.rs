@@ -54,7 +54,8 @@ pub struct PlanFigures {
     /// Speed limit of TCP and flange in T1, in mm/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub t1_speed_mm_s: Option<f64>,
-    /// Warnings about the program and its torques, as messages for the user; of complete plans only.
+    /// Warnings about the program and its torques, as messages for the user; of complete plans
+    /// only.
     #[serde(default)]
     pub warnings: Vec<String>,
     /// Assumed robot limits that the figures depend on, for which no source gives a value (not the

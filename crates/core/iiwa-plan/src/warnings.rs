@@ -6,8 +6,9 @@ use iiwa_program::{MotionIndex, Program, Start};
 
 /// Warnings about a program with this path, as messages for the user: a start frame without E1 or
 /// status, a payload above the rated payload, targets whose turn contradicts the joint positions,
-/// splines with TCP stops, blends that are shortened to half of a motion, and blends without a following motion or into one that does not move.
-/// Motions are reported with their names and sources.
+/// splines with TCP stops, blends that are shortened to half of a motion, and blends without a
+/// following motion or into one that does not move. Motions are reported with their names and
+/// sources.
 #[must_use]
 pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     let turns = TurnContradiction::all(program, path.robot()).unwrap_or_default();
@@ -15,8 +16,8 @@ pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
         let count = places.len();
         let often = if count == 1 { "once".to_owned() } else { format!("{count} times") };
         format!(
-            "motion {motion}: the TCP stops {often} within the spline ({}): where it turns back, at a \
-             repeated point, or where direction, curvature, turn or E1 rates of two lines or \
+            "motion {motion}: the TCP stops {often} within the spline ({}): where it turns back, \
+             at a repeated point, or where direction, curvature, turn or E1 rates of two lines or \
              circles differ (a segment `spl` between them avoids that)",
             listed(&places)
         )

@@ -81,8 +81,8 @@ impl Limit {
     }
 
     /// Returns the name in files, without the joint: `velocity`, `acceleration` or `jerk`, with the
-    /// prefix `cart_` or `orientation_` for TCP limits; `torque`; `minimum_duration`; `t1_velocity`;
-    /// or the name of another limit.
+    /// prefix `cart_` or `orientation_` for TCP limits; `torque`; `minimum_duration`;
+    /// `t1_velocity`; or the name of another limit.
     #[must_use]
     pub fn name(&self) -> &'static str {
         let (of, kind) = match *self {

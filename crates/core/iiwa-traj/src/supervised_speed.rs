@@ -134,6 +134,16 @@ impl SupervisedPiece<'_> {
         nodes
     }
 
+    /// Returns the largest share of a joint's velocity limit at the nodes.
+    fn peak_velocity_rel(&self, nodes: &[Node]) -> f64 {
+        let full = &self.robot.limits().velocity_rad_s;
+        let share = |node: &Node| {
+            let dq = self.segment.at_share(node.p).dq;
+            (0..7).map(|j| (dq[j] * node.rate).abs() / full[j]).fold(0.0, f64::max)
+        };
+        nodes.iter().map(share).fold(0.0, f64::max)
+    }
+
     /// Adds the usage of the supervised speed.
     fn add_usage(&self, usage: &mut LimitUsage, nodes: &[Node]) {
         let share = |node: &Node| node.rate / self.max_rate(node.p);
@@ -179,6 +189,8 @@ impl Section {
             pieces.extend(held.map(|mut held| {
                 way.add_usage(&mut held.usage, &nodes);
                 held.limited_by = Some(held.usage.limit());
+                // Samples of the usage lie between the nodes.
+                held.peak_velocity_rel = held.peak_velocity_rel.max(way.peak_velocity_rel(&nodes));
                 held
             }));
             for node in &mut nodes {
