@@ -1,7 +1,5 @@
 //! Statements about a plan in the table, in JSON and in the page of `iiwasim report`.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::fs;
 
 use predicates::str::contains;

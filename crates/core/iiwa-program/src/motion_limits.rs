@@ -163,12 +163,14 @@ impl MotionLimits {
     }
 
     /// Limits the TCP speed to `speed_m_s`, at which the motion has its minimum duration, unless
-    /// its limit is lower already.
+    /// its limit is lower already. Of equal limits, the minimum duration counts as the source: the
+    /// program cannot raise it.
     #[must_use]
     pub fn with_minimum_duration(mut self, speed_m_s: f64) -> Self {
+        const ROUNDING: f64 = 1e-9;
         let speed = &mut self.tool.way[LimitKind::Velocity];
-        if speed_m_s < *speed {
-            *speed = speed_m_s;
+        if speed_m_s <= *speed * (1.0 + ROUNDING) {
+            *speed = speed.min(speed_m_s);
             self.tcp_speed_source = TcpSpeedSource::MinimumDuration;
         }
         self

@@ -174,12 +174,14 @@ fn the_minimum_duration_is_named() {
     let cart = Limit::Motion { of: Limited::Way, kind: LimitKind::Velocity };
     let lin = r#"{ "type": "lin_rel", "offset": { "z_mm": 30 } }"#;
     let own = r#"{ "type": "lin_rel", "offset": { "z_mm": 30 }, "cart_velocity_mm_s": 50 }"#;
+    let equal = r#"{ "type": "lin_rel", "offset": { "z_mm": 30 }, "cart_velocity_mm_s": 150 }"#;
     let wide = r#"{ "type": "lin_rel", "offset": { "z_mm": 30 }, "cart_velocity_mm_s": 500 }"#;
     let ptp = r#"{ "type": "ptp", "joints_deg": [3, 30, 0, -80, 0, 60, 0] }"#;
     for (motion, expected) in [
         (lin, Limit::MinimumDuration),
         (own, cart),
         (wide, Limit::MinimumDuration),
+        (equal, Limit::MinimumDuration),
         (ptp, Limit::MinimumDuration),
     ] {
         let figures = planned(motion, sunrise());

@@ -149,8 +149,11 @@ fn the_lower_limit_is_named() {
             let path = JointPath::new(&program, &Robot::default()).unwrap();
             let trajectory = Trajectory::plan(&path, timing).unwrap();
             let figures = &trajectory.motions()[0];
-            assert_eq!(figures.limited_by, Some(expected), "{motion}: {:?}", figures.limits);
+            // With jerk limits, the acceleration limit is active for longer.
+            let is_longest = figures.limited_by == Some(expected);
+            assert!(is_longest || motion == soft, "{motion}: {:?}", figures.limits);
             let named = |limit| figures.limits.iter().any(|active| active.limit == limit);
+            assert!(named(expected), "{motion}: {:?}", figures.limits);
             assert!(named(cart_acceleration) == (motion == soft), "{:?}", figures.limits);
             assert!(!(named(cart) && named(Limit::T1Velocity)), "{:?}", figures.limits);
         }

@@ -197,14 +197,14 @@ fn shares(
         Some(all.into_iter().flatten().fold(HALF, f64::min))
     };
     let mut shares = [share(0)?, share(1)?];
-    let way_within_mm = |side: usize, share: f64| match paths[side] {
-        Some(path) => 1e3 * path.curve.course.way_within(END_AT_CORNER[side], share),
-        None => {
-            let [from, to] = legs[side].ends_rad;
-            let (target, other) = if side == 0 { (to, from) } else { (from, to) };
-            let end = vector::add_scaled(&target, share, &vector::sub(&other, &target));
-            tcp_distance_mm(robot, tcp_m, [&target, &end])
+    let way_within_mm = |side: usize, share: f64| {
+        if let Some(path) = paths[side] {
+            return 1e3 * path.curve.course.way_within(END_AT_CORNER[side], share);
         }
+        let [from, to] = legs[side].ends_rad;
+        let (target, other) = if side == 0 { (to, from) } else { (from, to) };
+        let end = vector::add_scaled(&target, share, &vector::sub(&other, &target));
+        tcp_distance_mm(robot, tcp_m, [&target, &end])
     };
     // A motion in which the TCP keeps its position does not shorten the radius.
     let shortened = |side: usize| {
