@@ -463,7 +463,7 @@ mod tests {
         let table = plan_table(&figures, None);
         let mode = "\nOperating mode T1: TCP and flange are limited to 225 mm/s\n";
         assert!(table.contains(mode), "{table}");
-        let place = "\nClearance 12.0 mm: tool to column at 0.100 s, in motion 1 \"turn\"\n";
+        let place = "\nClearance 12.0 mm: the tool to column at 0.100 s, in motion 1 \"turn\"\n";
         assert!(table.contains(place), "{table}");
         let source = ProgramSource::from_json(PROGRAM).unwrap();
         let figures = PlanRequest::default().plan(&source).unwrap().figures();
