@@ -27,6 +27,7 @@ mod outputs;
 mod overlap;
 mod pipes;
 mod plan;
+mod plan_statements;
 mod plan_torques;
 mod profile;
 mod report;

@@ -40,7 +40,8 @@ fn torques_are_reported_and_are_a_gate() {
     let percents = motions.iter().flat_map(|it| it["torque"]["peak_percent"].as_array().unwrap());
     let max = percents.map(|it| it.as_f64().unwrap()).fold(0.0, f64::max);
     assert!((20.0..100.0).contains(&max), "{max}");
-    assert!(figures["warnings"].as_array().unwrap().is_empty());
+    let warnings = figures["warnings"].as_array().unwrap();
+    assert!(warnings.iter().all(|it| !it.as_str().unwrap().contains("Nm")), "{warnings:?}");
     assert!(figures["power"]["peak_w"].as_f64().unwrap() > 10.0);
     let shown = format!(" at {max:.0} % of its limit (");
     let below = format!("{}", max.floor());

@@ -26,8 +26,8 @@ class Limit(NamedTuple):
     joint: int | None
     """The joint, 1 to 7; `None` if the TCP is limited."""
     kind: str
-    """`velocity`, `acceleration`, `jerk` or `torque`; with `cart_` or `orientation_` for the TCP.
-    """
+    """`velocity`, `acceleration`, `jerk` or `torque`; with `cart_` or `orientation_` for the TCP;
+    `minimum_duration` of short motions; `t1_velocity`."""
 
 
 class State(NamedTuple):

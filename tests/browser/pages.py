@@ -71,6 +71,18 @@ NAMED = {
         {"type": "ptp", "joints_deg": [0, 20, 0, -70, 0, 90, 0], "group": "pick & place"},
     ],
 }
+# The operating mode T1, an override, and a blend that is larger than half of a motion.
+SLOWLY = {
+    "version": 1,
+    "mode": "t1",
+    "override_percent": 30,
+    "start": {"joints_deg": [0, 30, 0, -60, 0, 90, 0]},
+    "motions": [
+        {"type": "lin_rel", "offset": {"z_mm": -40}, "blend": {"cart_mm": 50}},
+        {"type": "lin_rel", "offset": {"y_mm": 150}},
+        {"type": "lin_rel", "offset": {"z_mm": 5}},
+    ],
+}
 TURNED = {"a_deg": 10, "b_deg": 180, "c_deg": 0, "e1_deg": 0}
 # An angled tool, and a linear motion of its TCP.
 WITH_TOOL = {
@@ -148,7 +160,8 @@ class Pages:
         (self.folder / "many.json").write_text(json.dumps(many_motions(300)))
         (self.folder / "one.json").write_text(json.dumps(many_motions(1)))
         (self.folder / "named.json").write_text(json.dumps(NAMED))
-        for name in ("many", "one", "named"):
+        (self.folder / "slowly.json").write_text(json.dumps(SLOWLY))
+        for name in ("many", "one", "named", "slowly"):
             self.iiwasim("plan", f"{name}.json")
             self.iiwasim("report", f"{name}.mcap")
         # Obstacles, and a tool with all kinds of shapes.

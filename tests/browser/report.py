@@ -428,6 +428,21 @@ def names_and_groups_are_shown(browser: Browser, pages: Pages) -> None:
     assert browser.run("document.getElementById('groups').hidden")
 
 
+def mode_override_and_warnings_are_stated(browser: Browser, pages: Pages) -> None:
+    desk(browser)
+    browser.open(pages.page("slowly"))
+    notes = "[...document.querySelectorAll('#notes li')].map(it => it.textContent)"
+    mode, override, warning, *_ = browser.run(notes)
+    assert mode == "Operating mode T1: TCP and flange are limited to 225 mm/s", mode
+    assert override.startswith("Override 30 %"), override
+    expected = "Warning: motion 1: its blend of 50 mm is shortened to 20.0 mm: "
+    assert warning.startswith(expected), warning
+    table = browser.run("document.getElementById('table').textContent")
+    assert "minimum duration" in table and "cart velocity" not in table, table
+    browser.open(pages.page("ten-motions"))
+    assert not any("Override" in note or "mode" in note for note in browser.run(notes))
+
+
 def two_files_and_damaged_ones(browser: Browser, pages: Pages) -> None:
     desk(browser)
     browser.open(pages.page("compared"), "#t=6.1")
@@ -492,6 +507,7 @@ CHECKS = [
     a_scene_is_shown,
     many_motions_and_one,
     names_and_groups_are_shown,
+    mode_override_and_warnings_are_stated,
     two_files_and_damaged_ones,
     *CHART_CHECKS,
 ]

@@ -27,7 +27,7 @@ use crate::{
 };
 
 pub(super) use programs::programs_in;
-use work::{PlanOutcome, file_name, gates, scene, write};
+use work::{FailedProgram, PlanOutcome, file_name, gates, scene, write};
 
 /// Plans programs, writes their trajectories and prints their figures.
 pub(crate) fn run(options: &Plan) -> Result<(), Failure> {
@@ -54,11 +54,13 @@ fn one(options: &Plan, program: &Path) -> Result<(), Failure> {
         }
         trace::start();
     }
+    let name = program.display().to_string();
     let input = if options.answering.is_given() {
-        application(program, &options.answering, options.robot.as_deref())?
+        application(program, &options.answering, options.robot.as_deref())
     } else {
-        input::program(program, options.robot.as_deref())?
+        input::program(program, options.robot.as_deref())
     };
+    let input = input.map_err(|failure| failed(options, program, failure))?;
     let named = if options.answering.is_given() { Path::new(&input.name) } else { program };
     let target = output_path(options, named);
     distinct(options, program, target.as_deref())?;
@@ -66,15 +68,29 @@ fn one(options: &Plan, program: &Path) -> Result<(), Failure> {
     output::catch_interrupts();
     let mut progress = Progress::of_program();
     let show = |share| progress.show_share(share);
-    let planned = write(options, scene.as_ref(), input, target.as_deref(), show);
+    let planned = write(options, &name, scene.as_ref(), input, target.as_deref(), show);
     progress.clear();
-    let outcome = planned?;
-    print_note(&warning_lines(&outcome.warnings, None));
+    let outcome = planned.map_err(|failure| failed(options, program, failure))?;
+    print_note(&warning_lines(&outcome.figures.warnings, None));
     report(options, &outcome)?;
     match gates(options).judge(&outcome.figures).complaint() {
         Some(how) => Err(Failure::Gate(format!("the program {how}"))),
         None => Ok(()),
     }
+}
+
+/// Prints the errors of a program that was not planned, if the output is JSON; returns its failure.
+fn failed(options: &Plan, program: &Path, failure: Failure) -> Failure {
+    // An interrupt is not a failure of the program.
+    if !options.json || output::check_interrupt().is_err() {
+        return failure;
+    }
+    let name = program.display().to_string();
+    let failure = if is_stdin(program) { failure } else { failure.about(&name) };
+    let printed = output::print_json(&FailedProgram { program: &name, errors: failure.errors() });
+    // A closed output is less important than the failure of the program.
+    drop(printed);
+    failure
 }
 
 /// Returns the path of the MCAP file, if one is written.

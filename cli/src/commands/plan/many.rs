@@ -9,17 +9,16 @@ use std::{
 };
 
 use iiwa_json::printable;
-use iiwa_report::{PlannedTimes, ProgramErrors, Summary, SummaryRow, warning_lines};
+use iiwa_report::{PlannedTimes, Summary, SummaryRow, warning_lines};
 use iiwa_scene::Scene;
 use rayon::{
     ThreadPoolBuilder,
     iter::{ParallelBridge, ParallelIterator},
 };
-use serde::Serialize;
 
 use super::{
     programs::{self, PlanJob},
-    work::{PlanOutcome, gates, scene, write},
+    work::{FailedProgram, PlanOutcome, gates, scene, write},
 };
 use crate::{
     args::Plan,
@@ -108,8 +107,8 @@ fn plan(
         }
     };
     let planned = input::program(&job.program, options.robot.as_deref())
-        .and_then(|input| write(options, scene, input, job.target.as_deref(), alive))
-        .and_then(|planned| ProgramOutcome::planned(options, &name, planned));
+        .and_then(|input| write(options, &name, scene, input, job.target.as_deref(), alive))
+        .and_then(|planned| ProgramOutcome::planned(options, &name, &planned));
     planned.unwrap_or_else(|failure| ProgramOutcome::failed(options, name, failure))
 }
 
@@ -122,23 +121,14 @@ struct ProgramOutcome {
     row: SummaryRow,
 }
 
-/// JSON line of a program that was not planned.
-#[derive(Serialize)]
-struct FailedProgram<'a> {
-    program: &'a str,
-    #[serde(flatten)]
-    errors: ProgramErrors,
-}
-
 impl ProgramOutcome {
-    fn planned(options: &Plan, name: &str, planned: PlanOutcome) -> Result<Self, Failure> {
-        let planned = PlanOutcome { program: Some(name.to_owned()), ..planned };
+    fn planned(options: &Plan, name: &str, planned: &PlanOutcome) -> Result<Self, Failure> {
         let gates = gates(options).judge(&planned.figures);
         let complain = |how| Failure::Gate(format!("{} {how}", printable(name))).text();
-        let warnings = warning_lines(&planned.warnings, Some(name));
+        let warnings = warning_lines(&planned.figures.warnings, Some(name));
         let complaint = warnings + &gates.complaint().map(complain).unwrap_or_default();
         Ok(Self {
-            line: options.json.then(|| output::json_line(&planned)).transpose()?,
+            line: options.json.then(|| output::json_line(planned)).transpose()?,
             complaint: Some(complaint).filter(|complaint| !complaint.is_empty()),
             row: SummaryRow {
                 program: name.to_owned(),

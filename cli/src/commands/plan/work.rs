@@ -6,8 +6,8 @@ use bytesize::ByteSize;
 use iiwa_files::interrupt;
 use iiwa_log::{PlanConfig, PlanSize, PlanWriter};
 use iiwa_path::PathOptions;
-use iiwa_plan::{PlanFigures, PlanGates, PlanOptions, Planning, ProgramSource};
-use iiwa_report::{PlanPicture, add_clearances, carried, long_duration};
+use iiwa_plan::{GateRecords, PlanFigures, PlanGates, PlanOptions, Planning, ProgramSource};
+use iiwa_report::{PlanPicture, ProgramErrors, add_clearances, carried, long_duration};
 use iiwa_scene::{ArmInScene, CarriedBodies, Scene};
 use iiwa_traj::SweepOptions;
 use serde::Serialize;
@@ -35,21 +35,29 @@ pub(super) fn scene(options: &Plan) -> Result<Option<Scene>, Failure> {
 /// Result of a planned program, as `--json` prints it.
 #[derive(Serialize)]
 pub(super) struct PlanOutcome {
-    /// Program, if there are several.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) program: Option<String>,
+    /// Program, as it was given.
+    pub(super) program: String,
     #[serde(flatten)]
     pub(super) figures: PlanFigures,
     /// Path of the trajectory's file, if one is written.
     pub(super) output: Option<String>,
-    /// Warnings about the program.
-    pub(super) warnings: Vec<String>,
+    /// Gates that the options set, with the values of the plan.
+    pub(super) gates: GateRecords,
 }
 
-/// Plans a program and writes its trajectory to `target`, which appears when it is complete.
-/// `progress` is called with the completed share.
+/// A program that was not planned, as `--json` prints it.
+#[derive(Serialize)]
+pub(super) struct FailedProgram<'a> {
+    pub(super) program: &'a str,
+    #[serde(flatten)]
+    pub(super) errors: ProgramErrors,
+}
+
+/// Plans a program, with the name `program` in JSON, and writes its trajectory to `target`, which
+/// appears when it is complete. `progress` is called with the completed share.
 pub(super) fn write(
     options: &Plan,
+    program: &str,
     scene: Option<&Scene>,
     mut input: Input,
     target: Option<&Path>,
@@ -130,9 +138,10 @@ pub(super) fn write(
     for whole in output.into_iter().chain(drawing).chain(tables.finish()?) {
         whole.complete()?;
     }
-    let (figures, warnings) = planning.finish();
+    let figures = planning.finish();
+    let gates = gates(options).records(&figures);
     let output = target.map(|file| file.display().to_string());
-    Ok(PlanOutcome { program: None, figures, output, warnings })
+    Ok(PlanOutcome { program: program.to_owned(), figures, output, gates })
 }
 
 /// Returns the name of a program's MCAP file.

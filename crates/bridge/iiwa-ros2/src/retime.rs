@@ -104,7 +104,7 @@ pub fn retime(
     if polyline.points().len() > 1 {
         for part in polyline.parts(0.25 * tolerance) {
             if !steps.is_empty() {
-                steps.push(Step::Corner { motion });
+                steps.push(Step::Corner { motion, place: None });
                 stops += 1;
             }
             let (segments, off) = segments(&part, tolerance);

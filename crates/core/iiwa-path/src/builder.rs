@@ -13,13 +13,14 @@ use crate::{
     },
     circle::CircularBlend,
     continuity::Continuity,
-    crossing::BlendSearch,
+    crossing::{BlendSearch, HALF, tcp_distance_mm},
     joint_spline::{JointSpline, Sigma},
     line::Line,
     options::{BlendShape, PathOptions},
     polynomial::PolynomialBlend,
     segment::Segment,
-    step::{Corner, Step},
+    shortened_radius::ShortenedRadius,
+    step::{Corner, SplineStop, Step},
     supervised::SupervisedSegment,
 };
 use iiwa_program::{Blend, Fault, Motion, MotionIndex, OperatingMode, PathBlend, Program};
@@ -72,9 +73,11 @@ pub(crate) fn steps(
                 steps.push_blend([motion, corners.next(motion)], corner, options.blend_shape)?;
             }
             Some(RoundedCorner::Curved(corner, _)) => {
-                let CurvedCorner { image, gamma_deg, .. } = corner;
+                let CurvedCorner { image, gamma_deg, shortened, .. } = corner;
                 steps.check_image(motion, image)?;
-                let blend = Some(Corner { motion, gamma_deg: *gamma_deg });
+                let motions = [motion, corners.next(motion)];
+                let shortened = shortened.map(|radius| radius.between(motions));
+                let blend = Some(Corner { motion, gamma_deg: *gamma_deg, shortened });
                 let segment = Arc::new(image.clone());
                 steps.push(Step::Move {
                     motion: corners.next(motion),
@@ -286,7 +289,14 @@ impl Builder<'_> {
             };
             self.push_path(motion, path, [from, to])?;
             if path.stops {
-                self.push(Step::Corner { motion });
+                let next = leg.paths.get(index + 1).map(|next| next.segment);
+                let number = path.segment + 1;
+                let place = if next == Some(path.segment) {
+                    SplineStop::Within(number)
+                } else {
+                    SplineStop::After(number)
+                };
+                self.push(Step::Corner { motion, place: Some(place) });
             }
         }
         Ok(())
@@ -365,10 +375,11 @@ impl Builder<'_> {
         };
         if segment.tangent_lengths_rad()[0] <= NO_MOTION_RAD {
             // A circular arc that turns back has radius zero: the robot stops at its start.
-            self.push(Step::Corner { motion });
+            self.push(Step::Corner { motion, place: None });
             return Ok(());
         }
-        let blend = Some(Corner { motion, gamma_deg });
+        let shortened = corner.shortened.map(|radius| radius.between([motion, next]));
+        let blend = Some(Corner { motion, gamma_deg, shortened });
         self.push(Step::Move { motion: next, segment, blend, limits: None });
         Ok(())
     }
@@ -426,6 +437,7 @@ struct JointCorner {
     y1: Joints,
     /// Distance in joint space from the corner to both ends of the blend, in rad.
     reach: f64,
+    shortened: Option<ShortenedRadius>,
 }
 
 impl JointCorner {
@@ -444,14 +456,27 @@ impl JointCorner {
             return None;
         }
         let share = |other_end: &Joints| search.share(blend, robot, tcp_m, &target, other_end);
+        let shares = [share(&before)?, share(&after)?];
         // Both sides reach as far as the shorter one does (Larsen 2019, Algorithm 3).
-        let reach = (share(&before)? * l0).min(share(&after)? * l1);
-        (reach > NO_MOTION_RAD).then(|| Self {
+        let reach = (shares[0] * l0).min(shares[1] * l1);
+        let mut corner = Self {
             target,
             y0: vector::scale(1.0 / l0, &d0),
             y1: vector::scale(1.0 / l1, &d1),
             reach,
-        })
+            shortened: None,
+        };
+        if let Blend::CartMm(asked_mm) = blend {
+            let side = usize::from(shares[1] * l1 < shares[0] * l0);
+            let used_mm = [corner.start(), corner.end()]
+                .map(|end| tcp_distance_mm(robot, tcp_m, [&target, &end]))
+                .into_iter()
+                .fold(0.0, f64::max);
+            corner.shortened = (shares[side] >= HALF)
+                .then(|| ShortenedRadius::new(side, asked_mm, used_mm))
+                .flatten();
+        }
+        (reach > NO_MOTION_RAD).then_some(corner)
     }
 
     /// Start of the blend, `theta_i0` of Larsen 2019.

@@ -91,6 +91,13 @@ impl BlendSearch {
     }
 }
 
+/// Distance between the TCP positions at two joint positions, in mm. `tcp_m` is the position of the
+/// TCP in the flange frame, in m.
+pub(crate) fn tcp_distance_mm(robot: &Robot, tcp_m: &[f64; 3], ends_rad: [&Joints; 2]) -> f64 {
+    let [from, to] = ends_rad.map(|q| robot.tcp_motion(tcp_m, q, &[0.0; 7]).0);
+    1e3 * rotation::norm(&rotation::sub(&to, &from))
+}
+
 struct Walk<'a> {
     robot: &'a Robot,
     /// TCP in the flange frame; `None` for the flange itself.

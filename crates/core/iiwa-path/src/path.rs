@@ -13,7 +13,7 @@ use crate::{
     join::{JoinError, check_joins},
     options::PathOptions,
     segment::Segment,
-    step::{Corner, Step},
+    step::{Corner, SplineStop, Step},
 };
 use iiwa_program::{
     Fault, IoEntry, MotionIndex, MotionLimits, MotionType, OverlappingWait, Program, Sources,
@@ -215,7 +215,7 @@ impl JointPath {
         match &self.steps[step] {
             Step::Move { limits: Some(limits), .. } => limits,
             Step::Move { motion, .. }
-            | Step::Corner { motion }
+            | Step::Corner { motion, .. }
             | Step::Settle { motion, .. }
             | Step::Wait { motion, .. } => &self.limits[motion.index()],
         }
@@ -325,12 +325,18 @@ impl JointPath {
         MotionLimits::full(&self.robot).slowed_down(self.speed_override())
     }
 
+    /// Speed limit of TCP and flange in the operating mode T1, in m/s; `None` in other modes.
+    #[must_use]
+    pub fn t1_speed_m_s(&self) -> Option<f64> {
+        // The operating mode, and thus the speed, is the same for all motions.
+        self.limits.first()?.supervised_m_s()
+    }
+
     /// Returns the path without the speed limit of TCP and flange that the operating mode T1
     /// supervises, and that limit in m/s; `None` in other modes.
     #[must_use]
     pub fn unsupervised(&self) -> Option<(Self, f64)> {
-        // The operating mode, and thus the speed, is the same for all motions.
-        let speed_m_s = self.limits.first()?.supervised_m_s()?;
+        let speed_m_s = self.t1_speed_m_s()?;
         let limits = self.limits.iter().map(MotionLimits::unsupervised).collect();
         let steps = self.steps.iter().map(|step| match step {
             Step::Move { motion, segment, blend, limits } => Step::Move {
@@ -384,14 +390,14 @@ impl JointPath {
     /// Splines in which the TCP stops, and the number of stops in each: at reversals, at repeated
     /// points, and between lines or circles that do not join smoothly.
     #[must_use]
-    pub fn stops_in_splines(&self) -> Vec<(MotionIndex, usize)> {
-        let mut stops: Vec<(MotionIndex, usize)> = Vec::new();
+    pub fn stops_in_splines(&self) -> Vec<(MotionIndex, Vec<SplineStop>)> {
+        let mut stops: Vec<(MotionIndex, Vec<SplineStop>)> = Vec::new();
         for step in self.steps.iter() {
-            let Step::Corner { motion } = step else { continue };
+            let Step::Corner { motion, place: Some(place) } = step else { continue };
             match stops.last_mut() {
-                Some((last, count)) if last == motion => *count += 1,
+                Some((last, places)) if last == motion => places.push(*place),
                 _ if self.motion_type(*motion) == Some(MotionType::Spline) => {
-                    stops.push((*motion, 1));
+                    stops.push((*motion, vec![*place]));
                 }
                 _ => {}
             }

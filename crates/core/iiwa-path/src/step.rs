@@ -1,6 +1,6 @@
 //! Steps of a path.
 
-use std::sync::Arc;
+use std::{fmt, sync::Arc};
 
 use crate::segment::Segment;
 use iiwa_program::{MotionIndex, MotionLimits};
@@ -27,6 +27,8 @@ pub enum Step {
     Corner {
         /// The motion that has ended.
         motion: MotionIndex,
+        /// Place of the stop, if it is within a spline.
+        place: Option<SplineStop>,
     },
     /// Standstill until the robot has settled, at the end of `motion` (Larsen 2019, Appendix C).
     Settle {
@@ -58,7 +60,7 @@ impl Step {
     pub fn motion(&self) -> MotionIndex {
         match self {
             Self::Move { motion, .. }
-            | Self::Corner { motion }
+            | Self::Corner { motion, .. }
             | Self::Settle { motion, .. }
             | Self::Wait { motion, .. } => *motion,
         }
@@ -75,4 +77,36 @@ pub struct Corner {
     /// paths of one TCP on which the wrist joints are not interpolated, otherwise directions in
     /// joint space.
     pub gamma_deg: f64,
+    /// Difference from the radius in the program, if the blend is smaller.
+    pub shortened: Option<ShortenedBlend>,
+}
+
+/// Radius of a blend that would exceed half of a motion or, next to a spline, half of the spline's
+/// first or last segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShortenedBlend {
+    /// The motion of which the blend takes half.
+    pub half_of: MotionIndex,
+    /// Radius in the program, in mm.
+    pub asked_mm: f64,
+    /// Distance of the TCP from the target at the end of the blend, in mm.
+    pub used_mm: f64,
+}
+
+/// Place at which the TCP stops within a spline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SplineStop {
+    /// Within the segment with this number, from 1.
+    Within(usize),
+    /// At the end of the segment with this number, from 1.
+    After(usize),
+}
+
+impl fmt::Display for SplineStop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Within(segment) => write!(f, "within segment {segment}"),
+            Self::After(segment) => write!(f, "after segment {segment}"),
+        }
+    }
 }

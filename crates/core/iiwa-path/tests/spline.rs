@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::{Joints, Pose, Robot};
-use iiwa_path::{JointPath, Segment, Step};
+use iiwa_path::{JointPath, Segment, SplineStop, Step};
 use iiwa_program::{LimitKind, MotionIndex, Program};
 use serde_json::{Value, json};
 
@@ -213,7 +213,7 @@ fn it_stops_where_two_lines_meet_at_an_angle() {
     else {
         panic!("{:?}", path.steps())
     };
-    assert_eq!(path.stops_in_splines(), [(MotionIndex::new(0), 1)]);
+    assert_eq!(path.stops_in_splines(), [(MotionIndex::new(0), vec![SplineStop::After(1)])]);
     let straight = [segment("lin", frame(30.0, 0.0, 3.0)), segment("lin", frame(80.0, 0.0, 8.0))];
     let path = plan(&program(&json!([spline(&straight)]))).unwrap();
     assert_eq!((moves(&path).len(), path.stops_in_splines()), (2, vec![]));
@@ -295,12 +295,12 @@ fn it_stops_at_reversals_and_repeated_points() {
         let path = plan(&program(&json!([spline(&segments)]))).unwrap();
         path.stops_in_splines()
     };
-    let in_first = |count| vec![(MotionIndex::new(0), count)];
+    let in_first = |places: &[SplineStop]| vec![(MotionIndex::new(0), places.to_vec())];
     let [a, b, c, d] = [[40.0, 30.0], [80.0, -10.0], [20.0, -40.0], [-30.0, 10.0]];
     assert_eq!(stops(&[a, b, c, d]), vec![]);
-    assert_eq!(stops(&[a, b, a, c, d]), in_first(2));
-    assert_eq!(stops(&[a, [0.0, 0.0], c, d]), in_first(1));
-    assert_eq!(stops(&[a, b, b, c]), in_first(1));
+    assert_eq!(stops(&[a, b, a, c, d]), in_first(&[SplineStop::After(1), SplineStop::After(2)]));
+    assert_eq!(stops(&[a, [0.0, 0.0], c, d]), in_first(&[SplineStop::After(1)]));
+    assert_eq!(stops(&[a, b, b, c]), in_first(&[SplineStop::After(2)]));
     assert_eq!(stops(&[[0.0, 0.0], a, b, b]), vec![]);
 }
 
@@ -405,7 +405,7 @@ fn turns_in_place_may_be_a_little_off() {
             segment("spl", frame(100.0, 20.0, 35.0)),
         ];
         let path = plan(&program(&json!([spline(&segments)]))).unwrap();
-        let actual: usize = path.stops_in_splines().iter().map(|(_, count)| count).sum();
+        let actual: usize = path.stops_in_splines().iter().map(|(_, places)| places.len()).sum();
         assert_eq!(actual, stops, "{off_mm} mm");
         let end = path.steps().iter().rev().find_map(|step| match step {
             Step::Move { segment, .. } => Some(pose(&segment.at(1.0).q)),

@@ -23,9 +23,12 @@
 //! # Ok::<(), iiwa_plan::Error>(())
 //! ```
 
+mod blend_record;
+mod clearance_record;
 mod error;
 mod group_record;
 mod io_rows;
+mod limit_record;
 mod load_record;
 mod meshes;
 mod plan;
@@ -40,16 +43,16 @@ mod rests_on;
 mod torque_record;
 mod warnings;
 
+pub use blend_record::{BlendRecord, LateBlendRecord, ShortenedBlendRecord};
+pub use clearance_record::{ClearanceRecord, SelfClearanceRecord};
 pub use error::Error;
 pub use group_record::GroupRecord;
+pub use limit_record::{LimitRecord, LimitShareRecord};
 pub use load_record::LoadRecord;
 pub use meshes::embedded_mesh;
 pub use plan::Plan;
-pub use plan_figures::{
-    BlendRecord, CartesianRecord, ClearanceRecord, LateBlendRecord, LimitRecord, LimitShareRecord,
-    MotionRecord, PlanFigures, SelfClearanceRecord, SingularityRecord,
-};
-pub use plan_gates::{PlanGates, UnmetGates, is_above};
+pub use plan_figures::{CartesianRecord, MotionRecord, PlanFigures, SingularityRecord};
+pub use plan_gates::{GateRecord, GateRecords, PlanGates, UnmetGates, is_above};
 pub use plan_options::PlanOptions;
 pub use plan_request::PlanRequest;
 pub use planning::Planning;

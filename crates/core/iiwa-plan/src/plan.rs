@@ -26,11 +26,12 @@ impl Plan {
         self.trajectory.path().robot()
     }
 
-    /// Figures of the plan.
+    /// Figures of the plan, with its warnings.
     #[must_use]
     pub fn figures(&self) -> PlanFigures {
         let mut figures = PlanFigures::of(&self.trajectory, &self.options);
         figures.loads = LoadRecord::all(&self.program);
+        figures.warnings = self.warnings(&figures);
         figures
     }
 

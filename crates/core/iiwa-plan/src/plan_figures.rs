@@ -1,26 +1,27 @@
 //! Figures of a plan: times, motions and blends.
 
 use std::borrow::Cow;
-use std::fmt;
 use std::iter::zip;
 
-use iiwa_kin::{Joint, Robot};
+use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_program::{IoEntry, IoValue, MotionIndex, MotionLabel, Round, Source, motion_origin};
 use iiwa_traj::{
-    BlendFigures, CartesianFigures, LateBlend, Limit, MotionFigures, Section, Timing,
-    TorqueFigures, Totals, Trajectory,
+    CartesianFigures, MotionFigures, Section, Timing, TorqueFigures, Totals, Trajectory,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 use crate::{
     PlanOptions,
+    blend_record::{BlendRecord, LateBlendRecord},
+    clearance_record::{ClearanceRecord, SelfClearanceRecord},
     group_record::GroupRecord,
     io_rows::{self, OverlapClock},
+    limit_record::{LimitRecord, LimitShareRecord},
     load_record::LoadRecord,
     repeat_record::RepeatRecord,
-    rests_on::{self, AssumptionRecord},
+    rests_on::{self, AssumptionRecord, CountedAssumptions},
 };
 
 /// Figures of a plan. As JSON, this is the object of `iiwasim plan --json`; in an MCAP file, each
@@ -47,6 +48,16 @@ pub struct PlanFigures {
     /// Override of the controller, in per cent, if not 100.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub override_percent: Option<f64>,
+    /// Operating mode of the controller, `t1`, if not the automatic mode.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mode: Option<Cow<'static, str>>,
+    /// Speed limit of TCP and flange in T1, in mm/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub t1_speed_mm_s: Option<f64>,
+    /// Warnings about the program and its torques, as messages for the user; of complete plans
+    /// only.
+    #[serde(default)]
+    pub warnings: Vec<String>,
     /// Assumed robot limits that the figures depend on, for which no source gives a value (not the
     /// assumptions about the controller, which are `rests_on`).
     pub assumptions: Vec<String>,
@@ -88,45 +99,9 @@ pub struct PlanFigures {
     /// Time of the entries that overlap motions, in the sections so far.
     #[serde(skip)]
     clock: OverlapClock,
-}
-
-/// A blend into a motion that is not known in time: the robot stops at the start of the blend.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LateBlendRecord {
-    /// Motion whose target is blended, from 1.
-    pub after_motion: usize,
-    /// Time at which the next motion is known, after the preceding waits, in s.
-    pub known_s: f64,
-    /// Latest time at which the next motion would have to be known to avoid the stop, in s.
-    pub needed_s: f64,
-}
-
-/// Smallest distance between the arm and the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ClearanceRecord {
-    /// Distance in mm; 0 if the arm touches the obstacle.
-    pub distance_mm: f64,
-    /// Link of the arm, 2 to 7, 8 for the tool, or 9 for the workpiece. Links 0 and 1 have the same
-    /// distances at all poses.
-    pub link: usize,
-    /// Obstacle name.
-    pub obstacle: String,
-    /// Time, in s.
-    pub at_s: f64,
-}
-
-/// Smallest distance of the arm from itself.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SelfClearanceRecord {
-    /// Distance in mm; 0 if the two links touch.
-    pub distance_mm: f64,
-    /// First link, 3 to 7, 8 for the tool, or 9 for the workpiece.
-    pub link: usize,
-    /// Second link, 0 to 5: at least three numbers lower, since closer links are assumed not to
-    /// touch each other.
-    pub other_link: usize,
-    /// Time, in s.
-    pub at_s: f64,
+    /// Assumptions that are counted for the last motion so far.
+    #[serde(skip)]
+    counted: CountedAssumptions,
 }
 
 /// A motion of the program, a wait, or an input or output.
@@ -193,48 +168,6 @@ pub struct SingularityRecord {
     pub at_s: f64,
     /// Singular part: `shoulder`, `elbow` or `wrist`.
     pub axis: Cow<'static, str>,
-}
-
-/// A limit with the share of a motion's time for which it is active.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LimitShareRecord {
-    /// Limit.
-    #[serde(flatten)]
-    pub limit: LimitRecord,
-    /// Share of the time, 0 to 1.
-    pub share: f64,
-}
-
-/// A joint limit, a TCP limit, or a limit of another kind.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LimitRecord {
-    /// Joint, 1 to 7; `None` for a limit that does not belong to a joint.
-    pub joint: Option<usize>,
-    /// Kind: `velocity`, `acceleration` or `jerk`, for a TCP limit with the prefix `cart_` (along
-    /// the path) or `orientation_` (angular); `torque`; or the name of another limit.
-    pub kind: Cow<'static, str>,
-}
-
-/// A blend between two motions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BlendRecord {
-    /// Motion whose target is blended, from 1.
-    pub after_motion: usize,
-    /// Angle between the two motions, in deg: between the TCP directions in a blend between two
-    /// paths of one TCP on which the wrist joints are not interpolated, otherwise in joint space.
-    pub gamma_deg: f64,
-    /// Joint positions at the start of the blend, in rad.
-    pub start_rad: [f64; 7],
-    /// Joint positions at the end of the blend, in rad.
-    pub end_rad: [f64; 7],
-    /// Joint positions at the middle of the blend, in rad.
-    pub mid_rad: [f64; 7],
-    /// Flange position at the middle of the blend, in m; despite the name, also with a tool.
-    pub mid_tcp_m: [f64; 3],
-    /// Start time, in s.
-    pub start_s: f64,
-    /// End time, in s.
-    pub end_s: f64,
 }
 
 impl MotionRecord {
@@ -331,6 +264,9 @@ impl PlanFigures {
             samples,
             limit_torque_percent: None,
             override_percent: None,
+            mode: None,
+            t1_speed_mm_s: None,
+            warnings: Vec::new(),
             assumptions: robot
                 .assumptions()
                 .iter()
@@ -349,6 +285,7 @@ impl PlanFigures {
             blends: Vec::new(),
             blends_too_late: Vec::new(),
             clock: OverlapClock::default(),
+            counted: CountedAssumptions::default(),
         }
     }
 
@@ -398,6 +335,9 @@ impl PlanFigures {
         self.limit_torque_percent = section.path().torque_limit_rel().map(percent);
         let speed_override = section.path().speed_override();
         self.override_percent = (speed_override < 1.0).then(|| percent(speed_override));
+        let t1_speed_m_s = section.path().t1_speed_m_s();
+        self.mode = t1_speed_m_s.map(|_| "t1".into());
+        self.t1_speed_mm_s = t1_speed_m_s.map(|speed_m_s| (1e9 * speed_m_s).round() / 1e6);
         self.cycle_time_s = totals.cycle_time_s();
         self.motion_time_s = totals.motion_time_s;
         self.settle_time_s = totals.settle_time_s;
@@ -424,7 +364,7 @@ impl PlanFigures {
                 None => self.motions.push(motion),
             }
         }
-        rests_on::add(&mut self.rests_on, section, &self.timing);
+        rests_on::add(&mut self.rests_on, &mut self.counted, section, &self.timing);
         self.add_io(section);
         self.blends.extend(section.blends().iter().map(BlendRecord::from));
         self.blends_too_late.extend(section.late_blend().map(LateBlendRecord::from));
@@ -462,6 +402,19 @@ impl PlanFigures {
         if nearest.is_none_or(|distance_mm| clearance.distance_mm < distance_mm) {
             self.self_clearance = Some(clearance);
         }
+    }
+
+    /// A time with the motion in which the robot is then, for messages:
+    /// `at 1.250 s, in motion 4 "seam" (Welding.java:84)`.
+    #[must_use]
+    pub fn place_at(&self, t_s: f64) -> String {
+        let moves = |row: &&MotionRecord| row.peak_velocity_rel > 0.0 && row.start_s <= t_s;
+        let Some(motion) = self.motions.iter().rfind(moves) else {
+            return format!("at {t_s:.3} s");
+        };
+        // Between a motion and the next one, the robot is at rest at the end of the first.
+        let relation = if t_s <= motion.end_s { "in" } else { "at the end of" };
+        format!("at {t_s:.3} s, {relation} {}", motion.title())
     }
 
     /// Torque with the largest share of its limit; `None` for figures without torques.
@@ -506,22 +459,6 @@ impl PlanFigures {
     }
 }
 
-impl From<Limit> for LimitRecord {
-    fn from(limit: Limit) -> Self {
-        Self { joint: limit.joint().map(Joint::number), kind: limit.name().into() }
-    }
-}
-
-/// Writes `A4 velocity`, or `cart velocity`.
-impl fmt::Display for LimitRecord {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(joint) = self.joint {
-            write!(f, "A{joint} ")?;
-        }
-        f.write_str(&self.kind.replace('_', " "))
-    }
-}
-
 impl From<&MotionFigures> for MotionRecord {
     fn from(figures: &MotionFigures) -> Self {
         Self {
@@ -559,28 +496,6 @@ impl From<&CartesianFigures> for CartesianRecord {
             },
             status: figures.status.bits(),
             e1_deg: figures.e1_rad.map(f64::to_degrees),
-        }
-    }
-}
-
-impl From<&LateBlend> for LateBlendRecord {
-    fn from(late: &LateBlend) -> Self {
-        let LateBlend { after_motion, known_s, needed_s } = *late;
-        Self { after_motion: after_motion.number(), known_s, needed_s }
-    }
-}
-
-impl From<&BlendFigures> for BlendRecord {
-    fn from(figures: &BlendFigures) -> Self {
-        Self {
-            after_motion: figures.motion.number(),
-            gamma_deg: figures.gamma_deg,
-            start_rad: figures.start_rad,
-            end_rad: figures.end_rad,
-            mid_rad: figures.mid_rad,
-            mid_tcp_m: figures.mid_tcp_m,
-            start_s: figures.start_s,
-            end_s: figures.end_s,
         }
     }
 }

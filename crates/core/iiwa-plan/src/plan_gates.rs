@@ -3,6 +3,8 @@
 use iiwa_json::printable;
 use iiwa_kin::part_name;
 
+use serde::Serialize;
+
 use crate::{ClearanceRecord, LargestTorque, PlanFigures, SelfClearanceRecord};
 
 /// Acceptance limits of a plan: cycle time, clearance and torque.
@@ -29,7 +31,50 @@ pub struct UnmetGates {
     pub overloaded: Option<String>,
 }
 
+/// An acceptance limit with the value of a plan.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GateRecord {
+    /// Limit.
+    pub limit: f64,
+    /// Value of the plan; `None` if the plan has none, such as a clearance without obstacles.
+    pub value: Option<f64>,
+    /// True if the plan meets the limit.
+    pub met: bool,
+}
+
+/// Acceptance limits with the values of a plan; a limit that is not set is left out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct GateRecords {
+    /// Cycle time, in s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_cycle_time_s: Option<GateRecord>,
+    /// Clearance, in mm; 0 if the arm touches itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_clearance_mm: Option<GateRecord>,
+    /// Torque of any joint, in per cent of the robot's limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_torque_percent: Option<GateRecord>,
+}
+
 impl PlanGates {
+    /// Acceptance limits that are set, with the values of a plan by its figures.
+    #[must_use]
+    pub fn records(&self, figures: &PlanFigures) -> GateRecords {
+        let UnmetGates { too_long, too_near, overloaded } = self.judge(figures);
+        let record = |limit: Option<f64>, value: Option<f64>, unmet: Option<String>| {
+            limit.map(|limit| GateRecord { limit, value, met: unmet.is_none() })
+        };
+        let clearance_mm = figures.clearance.as_ref().map(|nearest| nearest.distance_mm);
+        let touches_itself = figures.self_clearance.as_ref().filter(|it| it.distance_mm == 0.0);
+        let clearance_mm = touches_itself.map_or(clearance_mm, |_| Some(0.0));
+        let percent = figures.largest_torque().map(|largest| largest.percent);
+        GateRecords {
+            max_cycle_time_s: record(self.max_cycle_time_s, Some(figures.cycle_time_s), too_long),
+            min_clearance_mm: record(self.min_clearance_mm, clearance_mm, too_near),
+            max_torque_percent: record(self.max_torque_percent, percent, overloaded),
+        }
+    }
+
     /// Checks a plan by its figures.
     #[must_use]
     pub fn judge(&self, figures: &PlanFigures) -> UnmetGates {
@@ -39,8 +84,10 @@ impl PlanGates {
             .filter(|limit| is_above(cycle_time_s, *limit, 3))
             .map(|limit| format!("takes {cycle_time_s:.3} s, more than {limit} s"));
         let too_near = self.min_clearance_mm.and_then(|limit_mm| {
-            let scene = figures.clearance.as_ref().and_then(|it| too_near(limit_mm, it));
-            scene.or_else(|| figures.self_clearance.as_ref().and_then(touches_itself))
+            let nearest = figures.clearance.as_ref();
+            let scene = nearest.and_then(|nearest| too_near(limit_mm, nearest, figures));
+            let nearest = figures.self_clearance.as_ref();
+            scene.or_else(|| nearest.and_then(|nearest| touches_itself(nearest, figures)))
         });
         let overloaded = self.max_torque_percent.and_then(|limit| {
             let LargestTorque { motion, joint, percent, at_s, .. } = figures.largest_torque()?;
@@ -84,10 +131,10 @@ pub fn is_above(value: f64, limit: f64, decimals: usize) -> bool {
 }
 
 /// Message of a clearance below the limit, if it is. Contact fails any limit, including 0.
-fn too_near(limit_mm: f64, nearest: &ClearanceRecord) -> Option<String> {
+fn too_near(limit_mm: f64, nearest: &ClearanceRecord, figures: &PlanFigures) -> Option<String> {
     let ClearanceRecord { distance_mm, link, obstacle, at_s } = nearest;
     let obstacle = printable(obstacle);
-    let place = format!("{} at {at_s:.3} s", part_name(*link));
+    let place = format!("{} {}", part_name(*link), printable(&figures.place_at(*at_s)));
     if *distance_mm == 0.0 {
         Some(format!("touches {obstacle}: {place}"))
     } else if is_above(-distance_mm, -limit_mm, 1) {
@@ -101,10 +148,11 @@ fn too_near(limit_mm: f64, nearest: &ClearanceRecord) -> Option<String> {
 
 /// Message of a self-collision, if any. Adjacent links are always close to each other, so no
 /// positive distance is a fault.
-fn touches_itself(nearest: &SelfClearanceRecord) -> Option<String> {
+fn touches_itself(nearest: &SelfClearanceRecord, figures: &PlanFigures) -> Option<String> {
     let SelfClearanceRecord { distance_mm, link, other_link, at_s } = nearest;
     let [part, other] = [*link, *other_link].map(part_name);
-    (*distance_mm == 0.0).then(|| format!("touches itself: {part} and {other} at {at_s:.3} s"))
+    let place = printable(&figures.place_at(*at_s));
+    (*distance_mm == 0.0).then(|| format!("touches itself: {part} and {other} {place}"))
 }
 
 #[cfg(test)]

@@ -77,8 +77,8 @@ impl Planning {
         &self.text
     }
 
-    /// Figures of all sections planned so far. Times of groups and repeat blocks are added after
-    /// the last section.
+    /// Figures of all sections planned so far. Times of groups and repeat blocks, and warnings, are
+    /// added after the last section.
     #[must_use]
     pub fn figures(&self) -> &PlanFigures {
         &self.figures
@@ -91,10 +91,15 @@ impl Planning {
 
     /// Final figures, with warnings about the program and its torques as messages for the user.
     #[must_use]
-    pub fn finish(self) -> (PlanFigures, Vec<String>) {
-        let mut warnings = self.warnings;
-        warnings.extend(self.figures.torque_warnings());
-        (self.figures, warnings)
+    pub fn finish(mut self) -> PlanFigures {
+        self.add_warnings();
+        self.figures
+    }
+
+    fn add_warnings(&mut self) {
+        let torque_warnings = self.figures.torque_warnings();
+        self.figures.warnings.clone_from(&self.warnings);
+        self.figures.warnings.extend(torque_warnings);
     }
 
     /// Share of the program that is planned so far, 0 to 1.
@@ -110,6 +115,7 @@ impl Iterator for Planning {
     fn next(&mut self) -> Option<Self::Item> {
         let Some(section) = self.planner.next() else {
             self.figures.add_groups(self.planner.path());
+            self.add_warnings();
             return None;
         };
         if let Ok(section) = &section {

@@ -1,6 +1,8 @@
 //! Assumptions about the controller and its inputs that a plan's time depends on, as opposed to
 //! measurements.
 
+use std::collections::HashSet;
+
 use iiwa_program::{IoEntry, IoKind, LimitKind, MotionIndex};
 use iiwa_traj::{Limit, PieceKind, Section};
 use serde::{Deserialize, Serialize};
@@ -100,20 +102,39 @@ pub(crate) fn add_io(records: &mut Vec<AssumptionRecord>, motion: MotionIndex, e
 }
 
 /// Adds the assumptions of a section.
-pub(crate) fn add(records: &mut Vec<AssumptionRecord>, section: &Section, timing: &str) {
-    let mut last = None;
-    for now in of_section(section, timing) {
-        let (text, motion) = now;
+pub(crate) fn add(
+    records: &mut Vec<AssumptionRecord>,
+    counted: &mut CountedAssumptions,
+    section: &Section,
+    timing: &str,
+) {
+    // A motion with several pieces or sections, such as a spline, counts once.
+    let mut seen: HashSet<_> = counted.0.drain(..).collect();
+    for (text, motion) in of_section(section, timing) {
+        if !seen.insert((text, motion)) {
+            continue;
+        }
         match records.iter_mut().find(|record| record.what == text) {
-            // A motion with several pieces counts once.
-            Some(record) if last != Some(now) => record.motions += 1,
-            Some(_) => {}
+            Some(record) => record.motions += 1,
             None => records.push(AssumptionRecord {
                 what: text.to_owned(),
                 motions: 1,
-                first: motion.index() + 1,
+                first: motion.number(),
             }),
         }
-        last = Some(now);
+    }
+    let last = section.pieces().last().map(|piece| piece.motion);
+    counted.0.extend(seen.into_iter().filter(|(_, motion)| Some(*motion) == last));
+}
+
+/// Assumptions that are counted for the last motion of a section, which the next section may
+/// continue.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct CountedAssumptions(Vec<(&'static str, MotionIndex)>);
+
+/// The state of a calculation and not a figure: all are equal.
+impl PartialEq for CountedAssumptions {
+    fn eq(&self, _: &Self) -> bool {
+        true
     }
 }

@@ -1,22 +1,25 @@
 //! Warnings about programs that can be planned.
 
 use iiwa_kin::{Load, Robot};
-use iiwa_path::{JointPath, Step, TurnContradiction};
-use iiwa_program::{Program, Start};
+use iiwa_path::{JointPath, ShortenedBlend, SplineStop, Step, TurnContradiction};
+use iiwa_program::{MotionIndex, Program, Start};
 
 /// Warnings about a program with this path, as messages for the user: a start frame without E1 or
 /// status, a payload above the rated payload, targets whose turn contradicts the joint positions,
-/// splines with TCP stops, and blends without a following motion or into one that does not move.
-/// Motions are reported with their names and sources.
+/// splines with TCP stops, blends that are shortened to half of a motion, and blends without a
+/// following motion or into one that does not move. Motions are reported with their names and
+/// sources.
 #[must_use]
 pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
     let turns = TurnContradiction::all(program, path.robot()).unwrap_or_default();
-    let stops = path.stops_in_splines().into_iter().map(|(motion, count)| {
+    let stops = path.stops_in_splines().into_iter().map(|(motion, places)| {
+        let count = places.len();
         let often = if count == 1 { "once".to_owned() } else { format!("{count} times") };
         format!(
-            "motion {motion}: the TCP stops {often} within the spline: where it turns back, at a \
-             repeated point, or where direction, curvature, turn or E1 rates of two lines or \
-             circles differ (a segment `spl` between them avoids that)"
+            "motion {motion}: the TCP stops {often} within the spline ({}): where it turns back, \
+             at a repeated point, or where direction, curvature, turn or E1 rates of two lines or \
+             circles differ (a segment `spl` between them avoids that)",
+            listed(&places)
         )
     });
     let end = program.blend_at_the_end().map(|motion| {
@@ -39,10 +42,42 @@ pub fn warnings(program: &Program, path: &JointPath) -> Vec<String> {
         .chain(overload(program, path.robot()))
         .chain(turns)
         .chain(stops)
+        .chain(shortened_blends(path))
         .chain(into_standstill)
         .chain(end)
         .map(|warning| program.sources.in_message(&warning))
         .collect()
+}
+
+/// Lists the first places at which the TCP stops within a spline.
+fn listed(places: &[SplineStop]) -> String {
+    /// Largest number of places that are named.
+    const NAMED: usize = 5;
+    let mut texts: Vec<_> = places.iter().take(NAMED).map(ToString::to_string).collect();
+    if places.len() > NAMED {
+        texts.push(format!("and {} more", places.len() - NAMED));
+    }
+    texts.join(", ")
+}
+
+/// Warnings about blends that would exceed half of a motion.
+fn shortened_blends(path: &JointPath) -> Vec<String> {
+    /// Largest number of blends that are named.
+    const NAMED: usize = 10;
+    let mut all = path.blends().filter_map(|(corner, _)| Some((corner.motion, corner.shortened?)));
+    let warning = |(motion, blend): (MotionIndex, ShortenedBlend)| {
+        let ShortenedBlend { half_of, asked_mm, used_mm } = blend;
+        format!(
+            "motion {motion}: its blend of {asked_mm} mm is shortened to {used_mm:.1} mm: a blend \
+             takes at most half of a motion or of a spline segment, here of motion {half_of}"
+        )
+    };
+    let mut warnings: Vec<_> = all.by_ref().take(NAMED).map(warning).collect();
+    let more = all.count();
+    if more > 0 {
+        warnings.push(format!("and {more} more blends are shortened"));
+    }
+    warnings
 }
 
 /// Warning about the first motion with the largest payload, if it is above the rated payload.

@@ -5,3 +5,4 @@ mod io;
 mod repeats;
 mod robots;
 mod sources;
+mod statements;

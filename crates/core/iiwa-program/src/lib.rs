@@ -68,7 +68,7 @@ pub use io_value::IoValue;
 pub use limit_kind::{ByKind, LimitKind};
 pub use motion_index::MotionIndex;
 pub use motion_label::{MAX_COMMENT, MAX_NAME, MotionLabel};
-pub use motion_limits::MotionLimits;
+pub use motion_limits::{MotionLimits, TcpSpeedSource};
 pub use motion_list::MotionList;
 pub use motion_path::motion_path;
 pub use motion_type::MotionType;

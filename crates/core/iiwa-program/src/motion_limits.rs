@@ -25,7 +25,20 @@ use crate::{
 pub struct MotionLimits {
     joints: ByKind<Joints>,
     tool: ToolLimits,
+    tcp_speed_source: TcpSpeedSource,
     supervised: Option<Supervised>,
+}
+
+/// Source of the limit of the TCP speed along the path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TcpSpeedSource {
+    /// Limit of the program, or no limit.
+    #[default]
+    Program,
+    /// Speed at which the motion has its minimum duration.
+    MinimumDuration,
+    /// Operating mode T1, whose limit is below that of the program.
+    T1,
 }
 
 /// Effect of the operating mode T1.
@@ -46,7 +59,7 @@ impl MotionLimits {
             LimitKind::Acceleration => limits.acceleration_rad_s2,
             LimitKind::Jerk => limits.jerk_rad_s3,
         };
-        Self { joints, tool: ToolLimits::NONE, supervised: None }
+        Self::of_joints(joints, ToolLimits::NONE)
     }
 
     /// Limits of `motion` on `robot`.
@@ -100,6 +113,9 @@ impl MotionLimits {
             let speed = &mut limits.tool.way[LimitKind::Velocity];
             let (program_m_s, speed_m_s) = (*speed, robot.t1_speed_m_s());
             *speed = program_m_s.min(speed_m_s);
+            if speed_m_s < program_m_s {
+                limits.tcp_speed_source = TcpSpeedSource::T1;
+            }
             limits.supervised = Some(Supervised { speed_m_s, program_m_s });
         }
         limits
@@ -135,6 +151,7 @@ impl MotionLimits {
         let mut limits = Self { supervised: None, ..*self };
         if let Some(Supervised { program_m_s, .. }) = self.supervised {
             limits.tool.way[LimitKind::Velocity] = program_m_s;
+            limits.tcp_speed_source = TcpSpeedSource::Program;
         }
         limits
     }
@@ -142,7 +159,27 @@ impl MotionLimits {
     /// Limits from `joints`, in rad/s, rad/s^2 and rad/s^3, and TCP limits; infinite for no limit.
     #[must_use]
     pub fn of_joints(joints: ByKind<Joints>, tool: ToolLimits) -> Self {
-        Self { joints, tool, supervised: None }
+        Self { joints, tool, tcp_speed_source: TcpSpeedSource::Program, supervised: None }
+    }
+
+    /// Limits the TCP speed to `speed_m_s`, at which the motion has its minimum duration, unless
+    /// its limit is lower already. Of equal limits, the minimum duration counts as the source: the
+    /// program cannot raise it.
+    #[must_use]
+    pub fn with_minimum_duration(mut self, speed_m_s: f64) -> Self {
+        const ROUNDING: f64 = 1e-9;
+        let speed = &mut self.tool.way[LimitKind::Velocity];
+        if speed_m_s <= *speed * (1.0 + ROUNDING) {
+            *speed = speed.min(speed_m_s);
+            self.tcp_speed_source = TcpSpeedSource::MinimumDuration;
+        }
+        self
+    }
+
+    /// Source of the limit of the TCP speed along the path.
+    #[must_use]
+    pub fn tcp_speed_source(&self) -> TcpSpeedSource {
+        self.tcp_speed_source
     }
 
     /// Replaces the TCP limits.

@@ -2,7 +2,7 @@
 //! TCP speed and distance from singularities.
 
 use iiwa_kin::{Joints, SingularPart, Status};
-use iiwa_path::Step;
+use iiwa_path::{ShortenedBlend, Step};
 use iiwa_program::{IoEntry, MotionIndex, MotionType};
 
 use crate::{
@@ -121,6 +121,8 @@ pub struct BlendFigures {
     pub start_s: f64,
     /// End time, in s.
     pub end_s: f64,
+    /// Difference from the radius in the program, if the blend is smaller.
+    pub shortened: Option<ShortenedBlend>,
 }
 
 impl Section {
@@ -211,6 +213,7 @@ impl Section {
                         mid_tcp_m: self.path.robot().flange_position(&mid_rad),
                         start_s: piece.start_s,
                         end_s: piece.end_s,
+                        shortened: corner.shortened,
                     })
                 }
                 _ => None,

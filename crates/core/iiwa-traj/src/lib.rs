@@ -48,6 +48,7 @@ mod phases;
 mod planner;
 pub mod playback;
 mod replanner;
+mod sampled_usage;
 mod section;
 mod section_sweep;
 mod spline_speed;

@@ -16,6 +16,8 @@ use iiwa_program::LimitKind;
 /// assert_eq!(limit(Limited::Way).to_string(), "cart velocity");
 /// assert_eq!(limit(Limited::Turn).name(), "orientation_velocity");
 /// assert_eq!(Limit::Torque(Joint::A2).to_string(), "A2 torque");
+/// assert_eq!(Limit::MinimumDuration.to_string(), "minimum duration");
+/// assert_eq!(Limit::MinimumDuration.name(), "minimum_duration");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -29,6 +31,11 @@ pub enum Limit {
     },
     /// Torque limit of a joint.
     Torque(Joint),
+    /// Minimum duration of short motions under Sunrise: the speed is at most the whole length over
+    /// [`RampLaw::least_cruise_s`](iiwa_kin::RampLaw::least_cruise_s).
+    MinimumDuration,
+    /// Speed limit of TCP and flange in the operating mode T1.
+    T1Velocity,
     /// Limit from another crate: see [`PathLimit`](crate::PathLimit).
     Other {
         /// Name in files.
@@ -66,17 +73,22 @@ impl Limit {
     pub fn joint(&self) -> Option<Joint> {
         match self {
             Self::Torque(joint) | Self::Motion { of: Limited::Joint(joint), .. } => Some(*joint),
-            Self::Motion { of: Limited::Way | Limited::Turn, .. } => None,
+            Self::Motion { of: Limited::Way | Limited::Turn, .. }
+            | Self::MinimumDuration
+            | Self::T1Velocity => None,
             Self::Other { joint, .. } => *joint,
         }
     }
 
     /// Returns the name in files, without the joint: `velocity`, `acceleration` or `jerk`, with the
-    /// prefix `cart_` or `orientation_` for TCP limits; `torque`; or the name of another limit.
+    /// prefix `cart_` or `orientation_` for TCP limits; `torque`; `minimum_duration`;
+    /// `t1_velocity`; or the name of another limit.
     #[must_use]
     pub fn name(&self) -> &'static str {
         let (of, kind) = match *self {
             Self::Torque(_) => return "torque",
+            Self::MinimumDuration => return "minimum_duration",
+            Self::T1Velocity => return "t1_velocity",
             Self::Other { name, .. } => return name,
             Self::Motion { of, kind } => (of, kind),
         };
@@ -96,6 +108,8 @@ impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Torque(joint) => write!(f, "{joint} torque"),
+            Self::MinimumDuration => f.write_str("minimum duration"),
+            Self::T1Velocity => f.write_str("T1 velocity"),
             Self::Other { name, joint: Some(joint) } => write!(f, "{joint} {name}"),
             Self::Other { name, joint: None } => f.write_str(name),
             Self::Motion { of: Limited::Joint(joint), kind } => write!(f, "{joint} {kind}"),

@@ -2,7 +2,7 @@
 
 use iiwa_kin::Joint;
 use iiwa_path::ToolCoordinate;
-use iiwa_program::{ByKind, LimitKind};
+use iiwa_program::{ByKind, LimitKind, TcpSpeedSource};
 use iiwa_solver::PathRow;
 
 use crate::{
@@ -27,12 +27,14 @@ pub(crate) struct LimitUsage {
     of: ByKind<Shares>,
     /// Usage of each further limit.
     rows: Vec<RowUsage>,
+    /// Usage of each speed limit that the program does not set: the minimum duration, and T1.
+    speeds: Vec<RowUsage>,
 }
 
-/// Largest share of a further limit, and the time at the limit in s.
+/// Largest share of a limit, and the time at the limit in s.
 #[derive(Clone, Copy, Debug, Default)]
 struct RowUsage {
-    /// Limit of the row, once it is [named](LimitUsage::name_rows).
+    /// Limit; of a row, once it is [named](LimitUsage::name_rows).
     limit: Option<Limit>,
     peak: f64,
     time_s: f64,
@@ -181,12 +183,35 @@ impl LimitUsage {
         }
     }
 
-    /// Assigns the usage of the limits of the `tool` to its way or to its rotation.
-    pub(crate) fn with_tool_limits(mut self, tool: Option<&ToolCoordinate>) -> Self {
+    /// Adds an interval of `dt` with the shares of a speed limit at its ends.
+    pub(crate) fn add_speed(&mut self, limit: Limit, shares: [f64; 2], dt: f64) {
+        let [smaller, larger] = [min(shares[0], shares[1]), max(shares[0], shares[1])];
+        let time_s = if smaller >= SATURATED { dt } else { 0.0 };
+        merge_row(&mut self.speeds, &RowUsage { limit: Some(limit), peak: larger, time_s });
+    }
+
+    /// Assigns the usage of the limits of the `tool` to its way or to its rotation, and that of the
+    /// speed along its way to the source of the speed limit.
+    pub(crate) fn with_tool_limits(
+        mut self,
+        tool: Option<&ToolCoordinate>,
+        source: TcpSpeedSource,
+    ) -> Self {
         let Some(tool) = tool else { return self };
         for (_, shares) in self.of.iter_mut().filter(|(kind, _)| tool.is_of_turn(*kind)) {
             shares.turn_peak = std::mem::take(&mut shares.peak[TOOL]);
             shares.turn_time_s = std::mem::take(&mut shares.time_s[TOOL]);
+        }
+        let limit = match source {
+            TcpSpeedSource::Program => return self,
+            TcpSpeedSource::MinimumDuration => Limit::MinimumDuration,
+            TcpSpeedSource::T1 => Limit::T1Velocity,
+        };
+        let shares = &mut self.of[LimitKind::Velocity];
+        let peak = std::mem::take(&mut shares.peak[TOOL]);
+        let time_s = std::mem::take(&mut shares.time_s[TOOL]);
+        if peak > 0.0 {
+            merge_row(&mut self.speeds, &RowUsage { limit: Some(limit), peak, time_s });
         }
         self
     }
@@ -195,45 +220,31 @@ impl LimitUsage {
         for (kind, shares) in &mut self.of {
             shares.merge(&other.of[kind]);
         }
-        for row in &other.rows {
-            // By limit, not by index: the pieces of a motion may have different rows.
-            match self.rows.iter_mut().find(|total| total.limit == row.limit) {
-                Some(total) => {
-                    total.peak = total.peak.max(row.peak);
-                    total.time_s += row.time_s;
-                }
-                None => self.rows.push(*row),
-            }
-        }
+        other.rows.iter().for_each(|row| merge_row(&mut self.rows, row));
+        other.speeds.iter().for_each(|speed| merge_row(&mut self.speeds, speed));
     }
 
     /// Returns the limit of velocity, acceleration or jerk with the largest share, and that share.
     pub(crate) fn worst(&self) -> (Limit, f64) {
-        self.largest(Shares::peaks)
+        larger(self.largest(Shares::peaks), largest_of(&self.speeds, |speed| speed.peak))
     }
 
     /// Returns the further limit with the largest share, and that share.
     pub(crate) fn largest_row(&self) -> Option<(Limit, f64)> {
-        self.largest_of_rows(|row| row.peak)
+        largest_of(&self.rows, |row| row.peak)
     }
 
     /// Returns the limit that is active for the longest time, or else the one with the largest
     /// share.
     pub(crate) fn limit(&self) -> Limit {
-        let (limit, time_s) = self.largest(Shares::times_s);
-        if let Some((of_row, at_row_s)) = self.largest_of_rows(|row| row.time_s)
-            && at_row_s > time_s
-        {
-            return of_row;
-        }
+        let of_time = |row: &RowUsage| row.time_s;
+        let longest = self.largest(Shares::times_s);
+        let longest = larger(longest, largest_of(&self.speeds, of_time));
+        let (limit, time_s) = larger(longest, largest_of(&self.rows, of_time));
         if time_s > 0.0 {
             return limit;
         }
-        let (limit, share) = self.worst();
-        match self.largest_row() {
-            Some((of_row, row)) if row > share => of_row,
-            _ => limit,
-        }
+        larger(self.worst(), self.largest_row()).0
     }
 
     /// Returns the largest share of a velocity limit of `full`, for a usage in shares of the lower
@@ -258,7 +269,7 @@ impl LimitUsage {
                 nonzero.map(move |(of, time_s)| share_of(Limit::Motion { of, kind }, time_s))
             })
             .collect();
-        let nonzero = self.rows.iter().filter(|row| row.time_s > 0.0);
+        let nonzero = self.rows.iter().chain(&self.speeds).filter(|row| row.time_s > 0.0);
         shares.extend(nonzero.filter_map(|row| Some(share_of(row.limit?, row.time_s))));
         shares.sort_by(|a, b| b.share.total_cmp(&a.share));
         shares
@@ -279,10 +290,27 @@ impl LimitUsage {
         }
         best
     }
+}
 
-    /// Returns the further limit with the largest value, and that value.
-    fn largest_of_rows(&self, value: impl Fn(&RowUsage) -> f64) -> Option<(Limit, f64)> {
-        let values = self.rows.iter().filter_map(|row| Some((row.limit?, value(row))));
-        values.reduce(|best, next| if next.1 > best.1 { next } else { best })
+/// Adds a usage to that of the same limit. The pieces of a motion may have different rows, so that
+/// an index would not identify the limit.
+fn merge_row(rows: &mut Vec<RowUsage>, row: &RowUsage) {
+    match rows.iter_mut().find(|total| total.limit == row.limit) {
+        Some(total) => {
+            total.peak = total.peak.max(row.peak);
+            total.time_s += row.time_s;
+        }
+        None => rows.push(*row),
     }
+}
+
+/// Returns the limit with the largest value among `rows`, and that value.
+fn largest_of(rows: &[RowUsage], value: impl Fn(&RowUsage) -> f64) -> Option<(Limit, f64)> {
+    let values = rows.iter().filter_map(|row| Some((row.limit?, value(row))));
+    values.reduce(|best, next| if next.1 > best.1 { next } else { best })
+}
+
+/// Returns the other limit if its value is larger, otherwise the first.
+fn larger(first: (Limit, f64), other: Option<(Limit, f64)>) -> (Limit, f64) {
+    other.filter(|other| other.1 > first.1).unwrap_or(first)
 }

@@ -405,8 +405,8 @@ impl Planner {
             Some((ref unsupervised, speed_m_s)) => {
                 section.path = unsupervised.clone();
                 self.plan_moves(moves, &mut section)?;
-                section.path = self.path.clone();
                 section.hold_speed(speed_m_s);
+                section.path = self.path.clone();
             }
         }
         Ok(section)

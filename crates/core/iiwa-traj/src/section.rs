@@ -137,8 +137,8 @@ impl Piece {
         };
         let limits = section.path.limits_of(step);
         let usage = usage.clone();
-        let usage =
-            usage.with_tool_limits(ToolCoordinate::new(segment.as_ref(), limits.tool()).as_ref());
+        let tool = ToolCoordinate::new(segment.as_ref(), limits.tool());
+        let usage = usage.with_tool_limits(tool.as_ref(), limits.tcp_speed_source());
         // Converts shares of the motion's velocity limits into shares of the robot's.
         let motion_limits = limits.velocity_rad_s();
         let full = &section.path.robot().limits().velocity_rad_s;

@@ -469,7 +469,8 @@ impl<'a, S: Simd, const R: usize> SectionSweep<'a, S, R> {
             return Err(TimingError::Stuck { motion });
         }
         let tool = segment.tool.map(|(tool, _)| tool);
-        let (limit, ratio) = usage.clone().with_tool_limits(tool.as_ref()).worst();
+        let source = section.path.limits_of(step).tcp_speed_source();
+        let (limit, ratio) = usage.clone().with_tool_limits(tool.as_ref(), source).worst();
         if ratio > 1.0 + TOLERANCE {
             return Err(TimingError::LimitExceeded { motion, limit, ratio });
         }

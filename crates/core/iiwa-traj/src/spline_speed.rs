@@ -7,7 +7,6 @@
 mod held_speed;
 mod limits;
 mod sweep;
-mod usage;
 
 #[cfg(test)]
 mod tests;
@@ -21,7 +20,11 @@ use iiwa_solver::{LimitedSegment, SolveError};
 
 use crate::{
     grid::Grid,
+    interval::Node,
     jerk::{self, Stamps},
+    limit::Limit,
+    limit_usage::LimitUsage,
+    sampled_usage::{sampled_usage, samples},
     section::{Piece, Section},
     section_sweep::SAMPLES_BEFORE_JERK,
     sunrise::{EndRamp, ramp_limits},
@@ -30,7 +33,6 @@ use crate::{
 use held_speed::HeldSpeed;
 use limits::SpeedLimitedSegment;
 use sweep::SplineSweep;
-use usage::usage;
 
 /// Ratio of the velocity limits to those used for planning: slightly above the solver's tolerance,
 /// so that joints keep their limits.
@@ -88,7 +90,10 @@ fn stamps(
             let (shape, limits) = segment.shape_and_limits();
             let limited =
                 LimitedSegment::new(shape, limits, swept).ok_or(SolveError::NotConverged)?;
-            segment_stamps.usage = usage(&limited, &stamps.nodes[segment_stamps.nodes.clone()]);
+            let nodes = &stamps.nodes[segment_stamps.nodes.clone()];
+            // The model does not keep acceleration and jerk limits.
+            segment_stamps.usage = sampled_usage(&limited, nodes, true);
+            add_minimum_duration(&mut segment_stamps.usage, segment, nodes);
             largest = largest.max(segment_stamps.usage.peak_velocity_rel(&[1.0; 7], &[1.0; 7]));
         }
         if largest <= 1.0 {
@@ -97,6 +102,14 @@ fn stamps(
         slower *= SLOWER * largest;
     }
     Err(SolveError::NotConverged)
+}
+
+/// Adds the usage of the speed at which the whole way takes the minimum duration.
+fn add_minimum_duration(usage: &mut LimitUsage, segment: &SpeedLimitedSegment<'_>, nodes: &[Node]) {
+    for (p, state, dt_s) in samples(nodes) {
+        let share = segment.cruise_share(p, state.rate);
+        usage.add_speed(Limit::MinimumDuration, [share; 2], dt_s);
+    }
 }
 
 /// Returns the segments of `pieces`, all between two rests, under the model's limits. None if a

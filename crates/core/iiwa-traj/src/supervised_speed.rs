@@ -5,12 +5,14 @@
 
 use iiwa_kin::{Pose, Robot};
 use iiwa_path::{Segment, Step};
-use iiwa_program::MotionLimits;
+use iiwa_solver::{LimitedSegment, SweptNode};
 
 use crate::{
     interval::{Node, progress},
+    limit::Limit,
     limit_usage::LimitUsage,
-    section::{Piece, Section},
+    sampled_usage::sampled_usage,
+    section::{Piece, PieceKind, Section},
 };
 
 /// Largest interval in the supervised part, in s: the TCP speed is held at both of its ends and
@@ -132,48 +134,84 @@ impl SupervisedPiece<'_> {
         nodes
     }
 
-    /// Returns the usage of the velocity and acceleration limits.
-    fn usage(&self, nodes: &[Node], limits: &MotionLimits) -> LimitUsage {
-        let [speed, acceleration] = [limits.velocity_rad_s(), limits.acceleration_rad_s2()];
-        // The eighth element is the supervised speed: dp/dt over its maximum.
-        let velocity =
-            std::array::from_fn(|j| if j < 7 { acceleration[j] / speed[j] } else { 1.0 });
-        let (mut dq, mut ddq) = (Vec::new(), Vec::new());
-        for node in nodes {
-            let derivatives = self.segment.at_share(node.p);
-            let shares = |d: &[f64; 7], way| {
-                std::array::from_fn(|j| if j < 7 { d[j] / acceleration[j] } else { way })
-            };
-            dq.push(shares(&derivatives.dq, self.max_rate(node.p).recip()));
-            ddq.push(shares(&derivatives.ddq, 0.0));
+    /// Returns the largest share of a joint's velocity limit at the nodes.
+    fn peak_velocity_rel(&self, nodes: &[Node]) -> f64 {
+        let full = &self.robot.limits().velocity_rad_s;
+        let share = |node: &Node| {
+            let dq = self.segment.at_share(node.p).dq;
+            (0..7).map(|j| (dq[j] * node.rate).abs() / full[j]).fold(0.0, f64::max)
+        };
+        nodes.iter().map(share).fold(0.0, f64::max)
+    }
+
+    /// Adds the usage of the supervised speed.
+    fn add_usage(&self, usage: &mut LimitUsage, nodes: &[Node]) {
+        let share = |node: &Node| node.rate / self.max_rate(node.p);
+        let Some((mut from, nodes)) = nodes.split_first() else { return };
+        let mut before = share(from);
+        for to in nodes {
+            let after = share(to);
+            usage.add_speed(Limit::T1Velocity, [before, after], from.dt_s);
+            (from, before) = (to, after);
         }
-        let mut usage = LimitUsage::default();
-        usage.add(nodes, &dq, &ddq, &velocity);
-        usage
     }
 }
 
 impl Section {
-    /// Holds TCP and flange at a speed, in m/s, where the plan is faster.
+    /// Holds TCP and flange at a speed, in m/s, where the plan is faster. The path of the section
+    /// is the one without this limit.
     pub(crate) fn hold_speed(&mut self, speed_m_s: f64) {
         let (path, mut start_s) = (self.path.clone(), 0.0);
         let (mut pieces, mut all) = (Vec::with_capacity(self.pieces.len()), Vec::new());
+        // A single PTP motion follows the ramp law instead of jerk limits.
+        let has_jerk_limits =
+            !matches!(self.pieces.as_slice(), [piece] if piece.kind == PieceKind::Line);
         for piece in &self.pieces {
             let Step::Move { segment, motion, .. } = &path.steps()[piece.step] else { continue };
             let tcp = path.tcp(*motion);
             let way =
                 SupervisedPiece { segment: segment.as_ref(), robot: path.robot(), tcp, speed_m_s };
-            let mut nodes = way.nodes(&self.nodes[piece.nodes.clone()]);
-            let usage = way.usage(&nodes, path.limits_of(piece.step));
+            let planned = &self.nodes[piece.nodes.clone()];
+            let mut nodes = way.nodes(planned);
+            let end_s = start_s + nodes.last().map_or(0.0, |last| last.t_s);
+            let range = all.len()..all.len() + nodes.len();
+            let held = if is_same(&nodes, planned) {
+                let [start_s, end_s] = [start_s, end_s].map(|t_s| self.start_s + t_s);
+                Some(Piece { start_s, end_s, nodes: range, ..piece.clone() })
+            } else {
+                let swept: Vec<_> = nodes.iter().map(swept).collect();
+                let limited =
+                    LimitedSegment::new(segment.as_ref(), path.limits_of(piece.step), &swept);
+                let usage = limited.map(|limited| sampled_usage(&limited, &nodes, has_jerk_limits));
+                let usage = usage.unwrap_or_default();
+                Piece::moving(self, piece.step, [start_s, end_s], &usage, range)
+            };
+            pieces.extend(held.map(|mut held| {
+                way.add_usage(&mut held.usage, &nodes);
+                held.limited_by = Some(held.usage.limit());
+                // Samples of the usage lie between the nodes.
+                held.peak_velocity_rel = held.peak_velocity_rel.max(way.peak_velocity_rel(&nodes));
+                held
+            }));
             for node in &mut nodes {
                 node.t_s += start_s;
             }
-            let end_s = nodes.last().map_or(start_s, |last| last.t_s);
-            let range = all.len()..all.len() + nodes.len();
-            pieces.extend(Piece::moving(self, piece.step, [start_s, end_s], &usage, range));
             all.extend(nodes);
             start_s = end_s;
         }
         (self.pieces, self.nodes) = (pieces, all);
     }
+}
+
+/// Returns true if the speed was held nowhere.
+fn is_same(nodes: &[Node], planned: &[Node]) -> bool {
+    let same = |(node, planned): (&Node, &Node)| {
+        node.dt_s.to_bits() == planned.dt_s.to_bits()
+            && node.rate.to_bits() == planned.rate.to_bits()
+    };
+    nodes.len() == planned.len() && std::iter::zip(nodes, planned).all(same)
+}
+
+fn swept(&Node { t_s, p, rate, u, .. }: &Node) -> SweptNode {
+    SweptNode { t_s, p, rate, u }
 }

@@ -122,7 +122,7 @@ fn steps_have_to_join() {
     assert_eq!(kink, Some(JoinError::Kink { step: 1 }));
     let stops = path_of(vec![
         first(),
-        Step::Corner { motion: MotionIndex::new(0) },
+        Step::Corner { motion: MotionIndex::new(0), place: None },
         line(along(0.5, 0.0), along(0.5, 0.5)),
     ]);
     assert_eq!(stops, None);

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
 use iiwa_program::Program;
-use iiwa_traj::{JerkOptions, LimitKind, Timing, Trajectory};
+use iiwa_traj::{JerkOptions, Limit, LimitKind, Timing, Trajectory};
 use proptest::{prelude::*, test_runner::RngSeed};
 
 use crate::recorded::{POINTS, SHORT, frame, recorded_robot};
@@ -64,6 +64,19 @@ fn durations_are_near_recorded_ones() {
         let allowed = if poses.len() == 2 { 2.0 } else { 3.0 };
         assert!(percent.abs() < allowed, "{recorded_s} s: {percent:+.2} %");
     }
+}
+
+#[test]
+fn the_minimum_duration_is_named() {
+    let robot = recorded_robot();
+    let is_named = |poses: &[Joints]| {
+        let path = spline(&robot, poses, "").unwrap();
+        let trajectory = Trajectory::plan(&path, sunrise()).unwrap();
+        let limits = &trajectory.motions()[0].limits;
+        limits.iter().any(|active| active.limit == Limit::MinimumDuration)
+    };
+    assert!(SHORT.iter().all(|ends| is_named(ends)));
+    assert!(!is_named(&POINTS[..5]));
 }
 
 /// Returns the robot at an override: all quantities with a unit of time are slower.

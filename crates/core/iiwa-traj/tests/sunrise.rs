@@ -5,7 +5,7 @@
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
 use iiwa_program::Program;
-use iiwa_traj::{JerkOptions, Timing, Trajectory};
+use iiwa_traj::{JerkOptions, Limit, LimitKind, Limited, Timing, Trajectory};
 use proptest::prelude::*;
 
 fn sunrise() -> Timing {
@@ -157,5 +157,40 @@ proptest! {
             plan(&program, sunrise()).motion_time_s()
         };
         prop_assert!(seconds(slower) >= seconds(1.0) * (1.0 - 1e-9));
+    }
+}
+
+/// Short motions report the minimum duration, and not a speed limit that the program does not set.
+#[test]
+fn the_minimum_duration_is_named() {
+    let planned = |motion: &str, timing: Timing| {
+        let text = format!(
+            r#"{{ "version": 1, "start": {{ "joints_deg": [0, 30, 0, -80, 0, 60, 0] }},
+                "motions": [{motion}] }}"#
+        );
+        let trajectory = plan(&Program::from_json(&text).unwrap(), timing);
+        trajectory.motions()[0].clone()
+    };
+    let cart = Limit::Motion { of: Limited::Way, kind: LimitKind::Velocity };
+    let lin = r#"{ "type": "lin_rel", "offset": { "z_mm": 30 } }"#;
+    let own = r#"{ "type": "lin_rel", "offset": { "z_mm": 30 }, "cart_velocity_mm_s": 50 }"#;
+    let equal = r#"{ "type": "lin_rel", "offset": { "z_mm": 30 }, "cart_velocity_mm_s": 150 }"#;
+    let wide = r#"{ "type": "lin_rel", "offset": { "z_mm": 30 }, "cart_velocity_mm_s": 500 }"#;
+    let ptp = r#"{ "type": "ptp", "joints_deg": [3, 30, 0, -80, 0, 60, 0] }"#;
+    for (motion, expected) in [
+        (lin, Limit::MinimumDuration),
+        (own, cart),
+        (wide, Limit::MinimumDuration),
+        (equal, Limit::MinimumDuration),
+        (ptp, Limit::MinimumDuration),
+    ] {
+        let figures = planned(motion, sunrise());
+        assert_eq!(figures.limited_by, Some(expected), "{motion}: {:?}", figures.limits);
+        let named = |limit| figures.limits.iter().any(|active| active.limit == limit);
+        assert!(!(named(cart) && named(Limit::MinimumDuration)), "{:?}", figures.limits);
+        assert_ne!(
+            planned(motion, Timing::jerk_limited()).limited_by,
+            Some(Limit::MinimumDuration)
+        );
     }
 }

@@ -6,7 +6,7 @@ use fastrand::Rng;
 use iiwa_kin::{Pose, Robot};
 use iiwa_path::JointPath;
 use iiwa_program::{Blend, Motion, OperatingMode, Program, Ptp};
-use iiwa_traj::{SweepOptions, Timing, Trajectory};
+use iiwa_traj::{Limit, LimitKind, Limited, SweepOptions, Timing, Trajectory};
 
 /// Motions of all kinds, with a tool so long that TCP or flange may be the faster one.
 const PROGRAM: &str = r#"{
@@ -126,4 +126,50 @@ fn speeds_are_held_along_random_programs() {
         }
     }
     assert!(planned > 40 && within_limit > 10_000, "{planned} {within_limit}");
+}
+
+/// A motion whose own limit is below that of T1 reports its own limit.
+#[test]
+fn the_lower_limit_is_named() {
+    let cart = Limit::Motion { of: Limited::Way, kind: LimitKind::Velocity };
+    let cart_acceleration = Limit::Motion { of: Limited::Way, kind: LimitKind::Acceleration };
+    let slow = r#"{ "type": "lin_rel", "offset": { "y_mm": 200 }, "cart_velocity_mm_s": 100 }"#;
+    let soft = r#"{ "type": "lin_rel", "offset": { "y_mm": 200 }, "cart_velocity_mm_s": 100,
+        "cart_acceleration_mm_s2": 120 }"#;
+    let fast = r#"{ "type": "lin_rel", "offset": { "y_mm": 200 }, "cart_velocity_mm_s": 400 }"#;
+    let free = r#"{ "type": "lin_rel", "offset": { "y_mm": 200 } }"#;
+    let cases = [(slow, cart), (soft, cart), (fast, Limit::T1Velocity)];
+    for timing in [Timing::default(), Timing::jerk_limited()] {
+        for (motion, expected) in cases.into_iter().chain([(free, Limit::T1Velocity)]) {
+            let text = format!(
+                r#"{{ "version": 1, "mode": "t1", "motions": [{motion}],
+                    "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }} }}"#
+            );
+            let program = Program::from_json(&text).unwrap();
+            let path = JointPath::new(&program, &Robot::default()).unwrap();
+            let trajectory = Trajectory::plan(&path, timing).unwrap();
+            let figures = &trajectory.motions()[0];
+            // With jerk limits, the acceleration limit is active for longer.
+            let is_longest = figures.limited_by == Some(expected);
+            assert!(is_longest || motion == soft, "{motion}: {:?}", figures.limits);
+            let named = |limit| figures.limits.iter().any(|active| active.limit == limit);
+            assert!(named(expected), "{motion}: {:?}", figures.limits);
+            assert!(named(cart_acceleration) == (motion == soft), "{:?}", figures.limits);
+            assert!(!(named(cart) && named(Limit::T1Velocity)), "{:?}", figures.limits);
+        }
+    }
+}
+
+/// A PTP motion whose joint velocity is the lower limit reports the joint.
+#[test]
+fn a_slow_joint_is_named() {
+    let text = r#"{ "version": 1, "mode": "t1",
+        "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+        "motions": [{ "type": "ptp", "joints_deg": [20, 30, 0, -60, 0, 90, 0],
+            "velocity_rel": 0.1 }] }"#;
+    let path = JointPath::new(&Program::from_json(text).unwrap(), &Robot::default()).unwrap();
+    let trajectory = Trajectory::plan(&path, Timing::default()).unwrap();
+    let limits = &trajectory.motions()[0].limits;
+    let is_joint = |limit| matches!(limit, Limit::Motion { of: Limited::Joint(_), .. });
+    assert!(!limits.is_empty() && limits.iter().all(|it| is_joint(it.limit)), "{limits:?}");
 }

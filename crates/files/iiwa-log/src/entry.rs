@@ -84,7 +84,8 @@ pub struct MotionEntry<'a> {
     /// Joint of the active limit, 1 to 7; `None` if the active limit does not belong to a joint.
     pub limiting_joint: Option<u8>,
     /// Active limit: `velocity`, `acceleration` or `jerk`, with the prefix `cart_` or
-    /// `orientation_` for TCP limits; `torque`; the name of another limit; empty at standstill.
+    /// `orientation_` for TCP limits; `torque`; `minimum_duration`; `t1_velocity`; the name of
+    /// another limit; empty at standstill.
     pub limiting_kind: Cow<'a, str>,
     /// Name of the motion; `None` without one, and in files of earlier versions.
     pub name: Option<Cow<'a, str>>,

@@ -59,7 +59,8 @@ pub struct PlanPiece {
     /// Joint of the active limit, 1 to 7; `None` if the active limit is a TCP limit.
     pub joint: Option<u8>,
     /// Active limit: `velocity`, `acceleration` or `jerk`, with the prefix `cart_` or
-    /// `orientation_` for TCP limits; empty at standstill.
+    /// `orientation_` for TCP limits; `torque`, `minimum_duration`, `t1_velocity`, or another name;
+    /// empty at standstill.
     pub limit: String,
 }
 

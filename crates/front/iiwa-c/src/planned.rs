@@ -64,14 +64,6 @@ pub(crate) struct PlannedProgram {
     plan: Plan,
 }
 
-/// Figures and warnings in one object.
-#[derive(Serialize)]
-struct FiguresJson<'a> {
-    #[serde(flatten)]
-    figures: &'a PlanFigures,
-    warnings: Vec<String>,
-}
-
 impl PlannedProgram {
     /// Plans a program for `robot`, or for the robot that the program names.
     pub(crate) fn new(
@@ -107,9 +99,7 @@ impl PlannedProgram {
 
     /// Figures as a JSON object, with the warnings.
     pub(crate) fn figures_json(&self) -> Result<String, CallFailure> {
-        let figures = self.plan.figures();
-        let warnings = self.plan.warnings(&figures);
-        to_json(&FiguresJson { figures: &figures, warnings })
+        to_json(&self.plan.figures())
     }
 
     /// TCP pose in the robot's base frame, for the tool of the state's motion.

@@ -73,6 +73,17 @@ pub fn plan_table(figures: &PlanFigures, width: Option<u16>) -> String {
             );
         }
     }
+    if let Some(mode) = &figures.mode {
+        let speed = figures
+            .t1_speed_mm_s
+            .map(|mm_s| format!(": TCP and flange are limited to {} mm/s", rounded(mm_s)));
+        let _ = writeln!(
+            text,
+            "Operating mode {}{}",
+            printable(&mode.to_uppercase()),
+            speed.unwrap_or_default()
+        );
+    }
     if let Some(percent) = figures.override_percent {
         let _ = writeln!(
             text,
@@ -94,10 +105,10 @@ pub fn plan_table(figures: &PlanFigures, width: Option<u16>) -> String {
         );
     }
     if let Some(nearest) = &figures.clearance {
-        let _ = writeln!(text, "{}", clearance(nearest));
+        let _ = writeln!(text, "{}", clearance(nearest, figures));
     }
     if let Some(nearest) = &figures.self_clearance {
-        let _ = writeln!(text, "{}", self_clearance(nearest));
+        let _ = writeln!(text, "{}", self_clearance(nearest, figures));
     }
     text.push_str(&assumed_inputs(figures).unwrap_or_default());
     for assumption in &figures.assumptions {
@@ -189,25 +200,27 @@ fn late_blend(late: &LateBlendRecord) -> String {
 }
 
 /// Describes the clearance between the arm and an obstacle.
-fn clearance(nearest: &ClearanceRecord) -> String {
+fn clearance(nearest: &ClearanceRecord, figures: &PlanFigures) -> String {
     let ClearanceRecord { distance_mm, link, obstacle, at_s } = nearest;
     let part = part_name(*link);
     let obstacle = printable(obstacle);
+    let place = printable(&figures.place_at(*at_s));
     if *distance_mm == 0.0 {
-        format!("Clearance none: {part} touches {obstacle} at {at_s:.3} s")
+        format!("Clearance none: {part} touches {obstacle} {place}")
     } else {
-        format!("Clearance {distance_mm:.1} mm: {part} to {obstacle} at {at_s:.3} s")
+        format!("Clearance {distance_mm:.1} mm: {part} to {obstacle} {place}")
     }
 }
 
 /// Describes the clearance of the arm to itself.
-fn self_clearance(nearest: &SelfClearanceRecord) -> String {
+fn self_clearance(nearest: &SelfClearanceRecord, figures: &PlanFigures) -> String {
     let SelfClearanceRecord { distance_mm, link, other_link, at_s } = nearest;
     let [part, other] = [*link, *other_link].map(part_name);
+    let place = printable(&figures.place_at(*at_s));
     if *distance_mm == 0.0 {
-        format!("The arm touches itself: {part} and {other} at {at_s:.3} s")
+        format!("The arm touches itself: {part} and {other} {place}")
     } else {
-        format!("Arm from itself {distance_mm:.1} mm: {part} to {other} at {at_s:.3} s")
+        format!("Arm from itself {distance_mm:.1} mm: {part} to {other} {place}")
     }
 }
 
@@ -434,6 +447,27 @@ mod tests {
         figures.motions[1].limits.push(LimitShareRecord { limit, share: 0.5 });
         let line = recorded_timing(&figures).unwrap();
         assert!(line.contains("(2 of 3 motions)"), "{line}");
+    }
+
+    #[test]
+    fn mode_and_place_of_the_clearance_are_stated() {
+        let text = PROGRAM
+            .replace("\"version\": 1,", "\"version\": 1, \"mode\": \"t1\",")
+            .replacen("0] }", "0], \"name\": \"turn\" }", 2)
+            .replacen("0], \"name\": \"turn\" }", "0] }", 1);
+        let source = ProgramSource::from_json(&text).unwrap();
+        let mut figures = PlanRequest::default().plan(&source).unwrap().figures();
+        let at_s = figures.motions[0].start_s + 0.1;
+        let obstacle = "column".to_owned();
+        figures.add_clearance(ClearanceRecord { distance_mm: 12.0, link: 8, obstacle, at_s });
+        let table = plan_table(&figures, None);
+        let mode = "\nOperating mode T1: TCP and flange are limited to 225 mm/s\n";
+        assert!(table.contains(mode), "{table}");
+        let place = "\nClearance 12.0 mm: the tool to column at 0.100 s, in motion 1 \"turn\"\n";
+        assert!(table.contains(place), "{table}");
+        let source = ProgramSource::from_json(PROGRAM).unwrap();
+        let figures = PlanRequest::default().plan(&source).unwrap().figures();
+        assert!(!plan_table(&figures, None).contains("Operating mode"));
     }
 
     /// A load between two motions, one before the end, and a name of a load alone.

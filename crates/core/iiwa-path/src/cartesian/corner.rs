@@ -15,10 +15,11 @@ use super::{
     tcp_path::TcpPath,
 };
 use crate::{
-    crossing::HALF,
+    crossing::{HALF, tcp_distance_mm},
     joint_spline::{CurveFaultAt, JointSpline, Sigma},
     line::Line,
     options::PathOptions,
+    shortened_radius::ShortenedRadius,
 };
 use iiwa_program::{Blend, CART_MM_MIN, MotionLimits, PathBlend, SUNRISE_REL_MIN};
 
@@ -37,6 +38,14 @@ pub(crate) struct CurvedCorner {
     /// Limits of the blend, if the spline segment after the corner has its own; otherwise, the
     /// limits of the second motion apply.
     pub(crate) limits: Option<Arc<MotionLimits>>,
+    /// Radius, if it is smaller than the program asks for.
+    pub(crate) shortened: Option<ShortenedRadius>,
+}
+
+/// Shares that a blend replaces, and its radius, if it is smaller than the program asks for.
+struct BlendShares {
+    shares: [f64; 2],
+    shortened: Option<ShortenedRadius>,
 }
 
 impl CurvedCorner {
@@ -49,7 +58,10 @@ impl CurvedCorner {
         legs: [&Leg; 2],
         size: &PathBlend,
     ) -> Result<Option<Self>, CurveFaultAt> {
-        let Some(shares) = shares(robot, options, tcp_m, legs, size) else { return Ok(None) };
+        let Some(BlendShares { shares, shortened }) = shares(robot, options, tcp_m, legs, size)
+        else {
+            return Ok(None);
+        };
         let ranges = [[1.0 - shares[0], 1.0], [0.0, shares[1]]];
         let paths = next_to_corner(legs);
         let (gamma_rad, curve): (f64, Arc<dyn JointCurve>) = match paths {
@@ -123,7 +135,7 @@ impl CurvedCorner {
         let image = JointSpline::of(curve)?.with_sigma(Sigma::of_blend(sigma_rates_rad));
         // The limits of the second motion apply in the blend.
         let limits = paths[1].and_then(|path| path.limits.clone());
-        Ok(Some(Self { shares, image, gamma_deg: gamma_rad.to_degrees(), limits }))
+        Ok(Some(Self { shares, image, gamma_deg: gamma_rad.to_degrees(), limits, shortened }))
     }
 }
 
@@ -141,7 +153,7 @@ fn shares(
     tcp_m: &[f64; 3],
     legs: [&Leg; 2],
     size: &PathBlend,
-) -> Option<[f64; 2]> {
+) -> Option<BlendShares> {
     if size.cart_mm.is_some_and(|radius| radius < CART_MM_MIN)
         || size.sunrise_rel.is_some_and(|share| share < SUNRISE_REL_MIN)
     {
@@ -185,6 +197,24 @@ fn shares(
         Some(all.into_iter().flatten().fold(HALF, f64::min))
     };
     let mut shares = [share(0)?, share(1)?];
+    let way_within_mm = |side: usize, share: f64| {
+        if let Some(path) = paths[side] {
+            return 1e3 * path.curve.course.way_within(END_AT_CORNER[side], share);
+        }
+        let [from, to] = legs[side].ends_rad;
+        let (target, other) = if side == 0 { (to, from) } else { (from, to) };
+        let end = vector::add_scaled(&target, share, &vector::sub(&other, &target));
+        tcp_distance_mm(robot, tcp_m, [&target, &end])
+    };
+    // A motion in which the TCP keeps its position does not shorten the radius.
+    let shortened = |side: usize| {
+        let used_mm = way_within_mm(side, HALF);
+        let asked_mm =
+            size.cart_mm.filter(|_| shares[side] >= HALF && used_mm > 1e3 * MIN_WAY_M)?;
+        ShortenedRadius::new(side, asked_mm, used_mm)
+    };
+    let sides = [shortened(0), shortened(1)];
+    let mut shortened = sides.into_iter().flatten().reduce(ShortenedRadius::smaller);
     if let [Some(a), Some(b)] = paths
         && a.curve.joins_in_space(&b.curve)
     {
@@ -193,11 +223,13 @@ fn shares(
         let ways_m = [0, 1].map(|side| courses[side].way_within(END_AT_CORNER[side], shares[side]));
         let way_m = ways_m[0].min(ways_m[1]);
         if way_m > MIN_WAY_M {
+            shortened = sides[usize::from(ways_m[1] < ways_m[0])];
             shares =
                 [0, 1].map(|side| courses[side].share_of(END_AT_CORNER[side], Length::Way(way_m)));
         }
     }
-    shares.iter().all(|share| *share > MIN_SHARE).then_some(shares)
+    let is_kept = shares.iter().all(|share| *share > MIN_SHARE);
+    is_kept.then_some(BlendShares { shares, shortened })
 }
 
 /// Parameter s at which each motion is at the corner: 1, its end, for the first motion, and 0, its

@@ -70,7 +70,7 @@ pub(crate) fn spline<'a>(
         let path = TcpPath::of(site.curve(from_rad, piece.course, piece.e1_rad));
         let path = path.map_err(|fault| in_segment(index, ("frame", fault.without_hint())))?;
         let limits = site.segment_limits(motion, &segments[index]).map(Arc::new);
-        paths.push(TcpPath { stops: piece.stops, limits, ..path });
+        paths.push(TcpPath { stops: piece.stops, segment: index, limits, ..path });
     }
     // One path parameter for all paths, except where the TCP is at rest: there the path stops at
     // both ends.

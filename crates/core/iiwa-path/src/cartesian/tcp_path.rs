@@ -21,6 +21,8 @@ pub(crate) struct TcpPath {
     pub(crate) rate_rad: f64,
     /// `true` if the TCP stops at the end of the path within a motion.
     pub(crate) stops: bool,
+    /// Index of the segment of a spline.
+    pub(crate) segment: usize,
     /// Limits in place of those of the motion.
     pub(crate) limits: Option<Arc<MotionLimits>>,
 }
@@ -39,7 +41,7 @@ impl TcpPath {
             });
         }
         let rate_rad = image.mean_rate_rad();
-        Ok(Self { curve, image: Arc::new(image), rate_rad, stops: false, limits: None })
+        Ok(Self { curve, image: Arc::new(image), rate_rad, stops: false, segment: 0, limits: None })
     }
 
     /// Joints at the end, in rad.

@@ -15,6 +15,9 @@ const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// places.
 const BETWEEN: f64 = 1.5;
 
+/// Relative difference of speeds that is rounding.
+const ROUNDING: f64 = 1e-9;
+
 impl JointPath {
     /// Returns the path with one more limit: on a LIN or CIRC motion from rest to rest, the TCP
     /// speed is at most the path length over `seconds`. Returns `None` if no motion could exceed
@@ -37,13 +40,13 @@ impl JointPath {
             let limits = self.limits_of(i);
             let [way_m, ..] = segment.tool_way(0.0).way_m;
             let speed = way_m / seconds;
-            // A limit that cannot become active is left out, so that the path can be shared.
-            if !segment.has_even_tool_way() || top_speed(segment.as_ref(), limits) <= speed {
+            // A limit that cannot become active is left out, so that the path can be shared. A limit
+            // that equals that of the program can become active.
+            let least = speed * (1.0 - ROUNDING);
+            if !segment.has_even_tool_way() || top_speed(segment.as_ref(), limits) < least {
                 continue;
             }
-            let mut tool = *limits.tool();
-            tool.way[LimitKind::Velocity] = speed.min(tool.way[LimitKind::Velocity]);
-            let limited = Some(Arc::new(limits.with_tool(tool)));
+            let limited = Some(Arc::new(limits.with_minimum_duration(speed)));
             let steps = steps.get_or_insert_with(|| self.steps.to_vec());
             if let Step::Move { limits, .. } = &mut steps[i] {
                 *limits = limited;

@@ -78,7 +78,7 @@ impl JointPath {
             // A blend is built with the motion that it ends, but has the limits of the next one.
             Step::Move { blend: Some(corner), .. } => corner.motion.index(),
             Step::Move { motion, .. }
-            | Step::Corner { motion }
+            | Step::Corner { motion, .. }
             | Step::Settle { motion, .. }
             | Step::Wait { motion, .. } => motion.index(),
         };
@@ -115,7 +115,7 @@ impl Step {
                     && limits == other_limits
                     && is_same_curve(segment.as_ref(), other_segment.as_ref())
             }
-            (Self::Corner { motion }, Self::Corner { motion: other }) => motion == other,
+            (Self::Corner { motion, .. }, Self::Corner { motion: other, .. }) => motion == other,
             (
                 Self::Settle { motion, blocking, still },
                 Self::Settle { motion: of, blocking: other, still: as_still },

@@ -8,6 +8,7 @@ use iiwa_solver::LimitedSegment;
 use super::stamps::{SegmentStamps, Stamps};
 use crate::{
     interval::Node,
+    limit::Limit,
     limit_usage::LimitUsage,
     phases::{ProfilePoint, phases},
     sunrise::{self, RampedLine},
@@ -51,6 +52,8 @@ pub(super) fn sunrise_line(
     let geometry = segment.geometry(&[0.0; PLACES]);
     for pair in instants.windows(2) {
         let [from, to] = [pair[0], pair[1]];
+        let shares = [from, to].map(|point| point.speed * law.least_cruise_s / length);
+        usage.add_speed(Limit::MinimumDuration, shares, from.phase_s);
         // Speed and acceleration are monotonic within a phase.
         let speed = f64::midpoint(from.speed, to.speed);
         let half = [speed, f64::midpoint(from.acceleration, to.acceleration), 0.0];

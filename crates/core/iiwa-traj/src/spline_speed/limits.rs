@@ -109,6 +109,12 @@ impl<'a> SpeedLimitedSegment<'a> {
         self.cruise
     }
 
+    /// Returns the ratio of the speed of y to its largest, at the share `p` of sigma and dp/dt.
+    pub(super) fn cruise_share(&self, p: f64, rate: f64) -> f64 {
+        let s = self.shape.s_at(p * self.shape.sigma(1.0)[0]).clamp(0.0, 1.0);
+        self.way_by_sigma(s)[0] * self.shape.sigma_length_rad() * rate / self.cruise
+    }
+
     /// Sets the speeds that are held around minima.
     pub(super) fn set_held(&mut self, held: Arc<HeldSpeed>) {
         self.held = Some(held);

@@ -27,6 +27,23 @@ function largestTorque(motions) {
   );
 }
 
+/** Operating mode and override of a plan, where they differ from the default, and its warnings. */
+function planStatements({ mode, t1_speed_mm_s: speed, override_percent: override, warnings = [] }) {
+  const SHOWN = 20;
+  const statements = [];
+  if (mode === "t1")
+    statements.push(`Operating mode T1: TCP and flange are limited to ${number(speed, 0)} mm/s`);
+  else if (mode) statements.push(`Operating mode ${mode}`);
+  if (override !== undefined)
+    statements.push(
+      `Override ${override} %: slows down motions, but neither standstill after stops nor waits`,
+    );
+  statements.push(...warnings.slice(0, SHOWN).map((text) => `Warning: ${text}`));
+  if (warnings.length > SHOWN)
+    statements.push(`${warnings.length - SHOWN} more warnings: iiwasim plan --json lists them.`);
+  return statements;
+}
+
 function writeHead() {
   const { figures } = report;
   const seconds = (value) => `${number(value, 3)} s`;
@@ -84,7 +101,8 @@ function writeHead() {
       );
     }
   }
-  for (const note of report.notes) $("notes").append(element("li", note));
+  for (const note of [...planStatements(figures), ...report.notes])
+    $("notes").append(element("li", note));
   const assumedInputs = (figures.rests_on || []).filter(({ what }) => what.startsWith("wait_for:"));
   for (const { what, first: motion } of assumedInputs.slice(0, 10))
     $("notes").append(element("li", `Assumed, from motion ${motion}: ${what}`));

@@ -82,7 +82,7 @@ function writeNow() {
   writePoses(t);
   const piece = report.pieces.length ? pieceAt(t) : null;
   const limitText = ({ limit, joint }) =>
-    limit ? `; limited by the ${limit.replace("_", " ")}${joint ? ` of A${joint}` : ""}` : "";
+    limit ? `; limited by the ${limitName(null, limit)}${joint ? ` of A${joint}` : ""}` : "";
   $("piece").textContent = piece
     ? `Motion ${piece.motion}${titleOf(piece.motion)}, ` +
       `${PIECE_NAMES[piece.kind] || piece.kind}${limitText(piece)}`
@@ -124,9 +124,9 @@ function titleOf(motion) {
   return titles.get(motion) || "";
 }
 
-/** The name of a joint or TCP limit. */
+/** The name of a limit: that of a joint, of the TCP, the minimum duration, or T1. */
 function limitName(joint, kind) {
-  return (joint ? `A${joint} ` : "") + kind.replace("_", " ");
+  return (joint ? `A${joint} ` : "") + kind.replaceAll("_", " ").replace(/^t1 /, "T1 ");
 }
 
 /** The motions from the figures; without figures, from the pieces. */
