@@ -52,6 +52,12 @@ impl<'a> Site<'a> {
         frame.map_err(|fault| (key, CartesianFault::Name(fault)))
     }
 
+    /// Returns the pose in the robot base of a frame or a base under a key of the motion.
+    pub(crate) fn reference(&self, key: &'static str, target: &TargetRef) -> SiteResult<Pose> {
+        let pose = self.program.workcell.reference(target, self.base);
+        pose.map_err(|fault| (key, CartesianFault::Name(fault)))
+    }
+
     /// Builds a circle from one pose to another.
     pub(crate) fn circle(
         &self,
