@@ -8,8 +8,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub enum Unreachable {
     /// The arm is too short.
     #[error(
-        "out of reach: the arm is {by_mm:.3} mm too short: the {point} would be {distance_mm:.3} mm \
-         from the shoulder, and the stretched arm reaches {max_mm:.3} mm"
+        "out of reach: the arm is {by_mm:.3} mm too short: the {point} would be {distance_mm:.3} \
+         mm from the shoulder, and the stretched arm reaches {max_mm:.3} mm"
     )]
     TooFar {
         /// Distance of the point beyond the reach of the stretched arm, in mm.

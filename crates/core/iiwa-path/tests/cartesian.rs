@@ -195,7 +195,11 @@ fn offsets_are_in_frames_or_bases() {
             assert!((1e3 * (to - from) - by).abs() < 1e-6, "{within}: {from} {to}");
         }
     };
-    let frame = |a_deg: f64| json!({ "x_mm": 0, "y_mm": 0, "z_mm": 0, "a_deg": a_deg, "b_deg": 0, "c_deg": 0 });
+    let frame = |a_deg: f64| {
+        json!({
+            "x_mm": 0, "y_mm": 0, "z_mm": 0, "a_deg": a_deg, "b_deg": 0, "c_deg": 0
+        })
+    };
     end("robot", json!({}), [30.0, 0.0, 0.0]);
     end("table", json!({}), [0.0, 30.0, 0.0]);
     end("tray", json!({}), [-30.0, 0.0, 0.0]);

@@ -208,7 +208,7 @@ fn allowed_e1(e1_rad: f64, allowed_rad: &[[f64; 2]]) -> String {
     let e1_deg = (e1_rad.to_degrees() * 1e3).round() / 1e3;
     let ranges: Vec<String> = allowed_rad
         .iter()
-        // Rounded inwards; a range that vanishes thereby is no help.
+        // Rounded inwards, which leaves out ranges that are too narrow for a tenth.
         .map(|[from, to]| {
             [
                 from.to_degrees().mul_add(10.0, -1e-6).ceil(),
@@ -216,7 +216,7 @@ fn allowed_e1(e1_rad: f64, allowed_rad: &[[f64; 2]]) -> String {
             ]
         })
         .filter(|[from, to]| from <= to)
-        .map(|range| range.map(|tenths| tenths / 10.0))
+        .map(|range| range.map(|tenths| tenths / 10.0 + 0.0))
         .map(|[from, to]| format!("{from} to {to} deg"))
         .collect();
     if ranges.is_empty() {

@@ -9,12 +9,12 @@ use crate::signed::signed;
 
 /// A smallest distance in both plans.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Clearances<T> {
+pub(crate) struct ClearanceChange<T> {
     old: T,
     new: T,
 }
 
-impl<T: Nearest + Clone> Clearances<T> {
+impl<T: ComparedDistance + Clone> ClearanceChange<T> {
     /// Distances of two plans; `None` if the distance of a plan is not known.
     pub(crate) fn new(
         plans: [&PlanFigures; 2],
@@ -26,8 +26,8 @@ impl<T: Nearest + Clone> Clearances<T> {
 
     /// Describes both distances and their change; `subject` is the beginning of the sentence.
     pub(crate) fn sentence(&self, subject: &str) -> String {
-        let [old_mm, new_mm] = [&self.old, &self.new].map(Nearest::distance_mm);
-        let [old, new] = [&self.old, &self.new].map(Nearest::place);
+        let [old_mm, new_mm] = [&self.old, &self.new].map(ComparedDistance::distance_mm);
+        let [old, new] = [&self.old, &self.new].map(ComparedDistance::place);
         format!(
             "{subject} {old_mm:.1} mm before, {new_mm:.1} mm after: {} mm ({old} before, {new} \
              after)",
@@ -37,7 +37,7 @@ impl<T: Nearest + Clone> Clearances<T> {
 }
 
 /// A smallest distance.
-pub(crate) trait Nearest {
+pub(crate) trait ComparedDistance {
     /// Distance, in mm.
     fn distance_mm(&self) -> f64;
 
@@ -45,7 +45,7 @@ pub(crate) trait Nearest {
     fn place(&self) -> String;
 }
 
-impl Nearest for ClearanceRecord {
+impl ComparedDistance for ClearanceRecord {
     fn distance_mm(&self) -> f64 {
         self.distance_mm
     }
@@ -56,7 +56,7 @@ impl Nearest for ClearanceRecord {
     }
 }
 
-impl Nearest for SelfClearanceRecord {
+impl ComparedDistance for SelfClearanceRecord {
     fn distance_mm(&self) -> f64 {
         self.distance_mm
     }

@@ -10,7 +10,7 @@ use iiwa_program::IoValue;
 use serde::Serialize;
 
 use crate::{
-    difference_clearance::Clearances,
+    difference_clearance::ClearanceChange,
     difference_groups::{GroupRow, group_table},
     markdown::escaped,
     signed::{rounded, signed},
@@ -39,10 +39,10 @@ pub struct DifferenceReport {
     wait_time_s: Times,
     /// Smallest distances between the arm and the scene, if both are known.
     #[serde(skip_serializing_if = "Option::is_none")]
-    clearance: Option<Clearances<ClearanceRecord>>,
+    clearance: Option<ClearanceChange<ClearanceRecord>>,
     /// Smallest distances of the arm from itself, if both are known.
     #[serde(skip_serializing_if = "Option::is_none")]
-    self_clearance: Option<Clearances<SelfClearanceRecord>>,
+    self_clearance: Option<ClearanceChange<SelfClearanceRecord>>,
     /// Number of motions that are equal in both plans.
     unchanged: usize,
     /// Motions that differ, in order.
@@ -240,8 +240,8 @@ impl DifferenceReport {
             motion_time_s: times(a.motion_time_s, b.motion_time_s),
             settle_time_s: times(a.settle_time_s, b.settle_time_s),
             wait_time_s: times(a.wait_time_s, b.wait_time_s),
-            clearance: Clearances::new([a, b], |figures| figures.clearance.as_ref()),
-            self_clearance: Clearances::new([a, b], |figures| figures.self_clearance.as_ref()),
+            clearance: ClearanceChange::new([a, b], |figures| figures.clearance.as_ref()),
+            self_clearance: ClearanceChange::new([a, b], |figures| figures.self_clearance.as_ref()),
             unchanged: difference.motions.len() - motions.len(),
             motions,
             groups: difference.groups.iter().map(GroupRow::new).collect(),

@@ -25,7 +25,7 @@ pub(crate) fn read_with(cell: &str, motions: &str) -> Program {
         .unwrap()
 }
 
-fn export(program: &Program) -> ExportedProject {
+pub(crate) fn export(program: &Program) -> ExportedProject {
     exported(program).unwrap()
 }
 
@@ -40,7 +40,7 @@ fn statements(motions: &str) -> String {
 }
 
 /// Returns the body of `run()` in one line.
-fn java(program: &Program) -> String {
+pub(crate) fn java(program: &Program) -> String {
     let java = export(program).java;
     let (_, run) = java.split_once("void run() {").unwrap();
     let (run, _) = run.split_once("\n    }").unwrap();
@@ -594,21 +594,4 @@ proptest! {
         prop_assert_eq!(1e-3 * arguments(&project.java, "setCartVelocity")[0], 1e-3 * speed_mm_s);
         prop_assert_eq!(arguments(&project.java, "setOrientationJerk"), [turn_rad_s]);
     }
-}
-
-/// An offset in the orientation of a base, and of the robot base.
-#[test]
-fn offsets_in_bases_have_the_frame_of_the_base() {
-    let lin_rel = |within: &str| {
-        format!(r#"{{ "type": "lin_rel", "offset": {{ "x_mm": 5 }}, "in": "{within}" }}"#)
-    };
-    let cell = r#""bases": { "table": { "a_deg": 90 }, "tray": { "base": "table", "z_mm": 5 } },"#;
-    let program = read_with(cell, &[lin_rel("tray"), lin_rel("robot")].join(","));
-    assert_eq!(
-        java(&program),
-        "lbr.move(linRel(5.0, 0.0, 0.0, getApplicationData().getFrame(\"/table/tray\"))); \
-         lbr.move(linRel(5.0, 0.0, 0.0, World.Current.getRootFrame()));"
-    );
-    let import = "import com.kuka.roboticsAPI.geometricModel.World;";
-    assert!(export(&program).java.contains(import));
 }

@@ -272,7 +272,8 @@ fn signals_have_the_line_of_the_application() {
 #[test]
 fn values_keep_their_types() {
     let run = format!(
-        "{MOVE}\nio.setClose(true);\nio.setOffset(7);\nio.setOffset(-7);\nio.setCount(3000000000L);\n\
+        "{MOVE}\nio.setClose(true);\nio.setOffset(7);\nio.setOffset(-7);\n\
+         io.setCount(3000000000L);\n\
          io.setCount(5L);\nio.setForce(2);\nio.setForce(-2);\nio.setForce(0.25);"
     );
     let project = with_generated_class(&run);
