@@ -139,6 +139,76 @@ fn names_are_in_tables_and_escaped_in_markdown() {
         .stdout(contains("1 renamed, 1 unchanged").and(contains(r"\`a\_b\*c\`, was first name")));
 }
 
+/// Times of groups before and after; a group that is the same in both is in the JSON only.
+#[test]
+fn groups_and_their_times_are_compared() {
+    let folder = tempdir().unwrap();
+    let mut old = program("waits-and-stops.json");
+    old["motions"][0]["group"] = json!("a|b");
+    old["motions"][7]["group"] = json!("go");
+    let mut new = old.clone();
+    new["motions"][7]["velocity_rel"] = json!(0.2);
+    store(&folder, "old.json", &old);
+    store(&folder, "new.json", &new);
+    store(&folder, "same.json", &old);
+    let groups = &answer(&folder, &["old.json", "new.json"])["groups"];
+    let time = |group: usize, side: &str| groups[group][side]["duration_s"].as_f64().unwrap();
+    assert_eq!((&groups[0]["name"], &groups[1]["name"]), (&json!("a|b"), &json!("go")));
+    assert!((time(0, "old") - time(0, "new")).abs() < 1e-6, "{groups}");
+    assert!(time(1, "new") > time(1, "old") + 0.1, "{groups}");
+    assert_eq!(groups[1]["old"]["motions"], 1);
+    let head = "group  old motions  new motions  old s  new s  change s";
+    iiwasim(&folder, &["diff", "old.json", "new.json"]).success().stdout(contains(head));
+    iiwasim(&folder, &["diff", "old.json", "new.json", "--markdown"])
+        .success()
+        .stdout(contains("|group |").and(contains("|a\\|b")));
+    iiwasim(&folder, &["diff", "old.json", "same.json"]).success().stdout(contains("group").not());
+    // Another group alone is a difference, too.
+    new = old.clone();
+    new["motions"][7]["group"] = json!("a|b");
+    store(&folder, "new.json", &new);
+    let difference = answer(&folder, &["old.json", "new.json"]);
+    assert_eq!(difference["motions"], json!([]));
+    assert_eq!(difference["groups"][1]["new"], Value::Null);
+    iiwasim(&folder, &["diff", "old.json", "new.json"]).success().stdout(contains(head));
+}
+
+#[test]
+fn clearances_to_a_scene_are_compared() {
+    let folder = tempdir().unwrap();
+    let old = program("waits-and-stops.json");
+    let mut new = old.clone();
+    new["motions"][0]["joints_deg"][1] = json!(70);
+    store(&folder, "old.json", &old);
+    store(&folder, "new.json", &new);
+    let scene = json!({ "version": 1, "obstacles": [
+        { "name": "table", "type": "box", "center_mm": [0, 0, -500], "size_mm": [3000, 3000, 60] }
+    ] });
+    store(&folder, "scene.json", &scene);
+    let planned = |name: &str| -> Value {
+        let arguments = ["plan", name, "--scene", "scene.json", "--no-output", "--json"];
+        let output = iiwasim(&folder, &arguments).success();
+        serde_json::from_slice(&output.get_output().stdout).unwrap()
+    };
+    let difference = answer(&folder, &["old.json", "new.json", "--scene", "scene.json"]);
+    for (side, name) in [("old", "old.json"), ("new", "new.json")] {
+        let figures = planned(name);
+        for key in ["clearance", "self_clearance"] {
+            assert_eq!(difference[key][side], figures[key], "{key} {side}");
+        }
+    }
+    assert_ne!(difference["clearance"]["old"], difference["clearance"]["new"]);
+    iiwasim(&folder, &["diff", "old.json", "new.json", "--scene", "scene.json"])
+        .success()
+        .stdout(contains("Clearance ").and(contains(" mm before, ")).and(contains("to table at")));
+    // The plan of a file has the clearance to its own scene.
+    let plan = ["plan", "old.json", "--scene", "scene.json", "-o", "old.mcap"];
+    iiwasim(&folder, &plan).success();
+    let of_plan = answer(&folder, &["old.mcap", "new.json", "--scene", "scene.json"]);
+    assert_eq!(of_plan["clearance"], difference["clearance"]);
+    assert_eq!(answer(&folder, &["old.json", "new.json"])["clearance"], Value::Null);
+}
+
 #[test]
 fn a_gate_on_growth_names_it() {
     let folder = tempdir().unwrap();

@@ -101,7 +101,10 @@ fn unreachable_frames_are_rejected_with_the_reason() {
         &["--frame", high, "--e1-deg", "90", "--status", "2"],
         &["out of reach with E1 at 90.000 deg", "within reach is E1 from -"],
     );
-    rejects(&with(r#"{ "x_mm": 1 }"#), &["--frame", "line 1", "`y_mm` is missing"]);
+    rejects(
+        &with(r#"{ "x_mm": 1 }"#),
+        &["--frame", "line 1", "`y_mm`, `z_mm`, `a_deg`, `b_deg` and `c_deg` are missing"],
+    );
     rejects(
         &with(r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0 }"#),
         &["`c_deg` is missing"],

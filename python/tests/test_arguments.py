@@ -33,7 +33,7 @@ SPL = {"type": "spl", "frame": {**FRAME, "x_mm": "far"}}
         ([iw.wait(1), 3], {}, "motion 2: expected an object, found `3`"),
         ([iw.wait(1)], {"tools": {"a": {"tcp": {"z": 1}}}}, "tools.a.tcp: unknown key `z`"),
         ([iw.wait(1)], {"tools": {'"}': {"tcp": 3}}}, 'tools."}.tcp: expected an object'),
-        ([iw.wait(1)], {"frames": {"a": {"x_mm": None}}}, "frames.a: `a`: `x_mm` is missing"),
+        ([iw.wait(1)], {"frames": {"a": {"x_mm": None}}}, "frames.a: `a`: `x_mm`, `y_mm`, `z_mm`"),
         ([iw.wait(1)], {"mode": "T2"}, "mode: unknown value `T2`"),
         ([iw.wait(1)], {"override_percent": 0}, "override_percent: an override of 0 %"),
         ([iw.wait(1)], {"start_deg": None, "start_frame": {"x": 1}}, "start_frame: unknown key"),

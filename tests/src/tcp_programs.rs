@@ -77,7 +77,7 @@ pub fn cause(fault: &Fault) -> &'static str {
         Fault::Cartesian { fault, key, .. } => match (innermost(fault), *key) {
             (_, "blend") => "blend not reached or singular",
             (CartesianFault::Unreachable(_), _) => "target unreachable",
-            (CartesianFault::Outside(_), _) => "frame outside",
+            (CartesianFault::Outside { .. }, _) => "frame outside",
             (CartesianFault::UnreachableOnTheWay { .. }, _) => "unreachable on the way",
             (CartesianFault::OutsideOnTheWay { .. }, _) => "outside on the way",
             (CartesianFault::Singular { .. }, _) => "singular",

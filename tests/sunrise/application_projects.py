@@ -116,16 +116,15 @@ def inputs(folder: Path) -> Program:
     )
     p = Program(folder, station, "BeltPick")
     p.ptp([0, 0.4, 0, -1.5, 0, 1.2, 0], "ptp(0, 0.4", velocity_rel=0.35)
-    stopper = ("BeltIOGroup", 'setDigitalOutput("Stopper"')
     for _ in range(2):
         p.wait_for("Belt.PartPresent", True, "belt.getPartPresent()")
-        p.set("Belt.Stopper", True, stopper)
+        p.set("Belt.Stopper", True, "belt.setStopper(true)")
         p.ptp("Belt/Lane2", "ptp(lane)", velocity_rel=0.35)
         p.lin_rel(Pose(z=100 - 37.5), "linRel(0, 0, depth)", cart_velocity_mm_s=40)
         p.wait(0.2, "milliSleep(200)")
         p.lin("Belt/Lane2", "lin(lane)", cart_velocity_mm_s=160)
         p.ptp([-0.5, 0.4, 0, -1.5, 0, 1.2, 0], "ptp(-0.5, 0.4")
-        p.set("Belt.Stopper", False, stopper)
+        p.set("Belt.Stopper", False, "belt.setStopper(false)")
     return p
 
 
@@ -173,8 +172,6 @@ def cell(folder: Path) -> Program:
     p.ptp(ready, "ptp(READY).setJointVelocityRel(velocity)", velocity_rel=0.6)
     lanes, pallet = station.frames["Lanes"].pose, station.frames["Pallet"].pose
 
-    pump = ("VacuumIOGroup", 'setDigitalOutput("Pump"')
-
     def raised(pose: Pose) -> Pose:
         return replace(pose, z=pose.z + 80)
 
@@ -190,7 +187,7 @@ def cell(folder: Path) -> Program:
             blend={"cart_mm": 40},
         )
         p.lin(lane, "lin(carrier)", cart_velocity_mm_s=250)
-        p.set("Vacuum.Pump", True, pump)
+        p.set("Vacuum.Pump", True, "vacuum.setPump(true)")
         p.wait_for("Vacuum.Holds", True, "vacuum.getHolds()")
         p.load(cups.with_one(carton.moved(120)), "carton.attachTo")
         p.wait(0.15, "milliSleep(150)")
@@ -205,7 +202,7 @@ def cell(folder: Path) -> Program:
         p.ptp(over, "velocity).setBlendingRel(0.2)", velocity_rel=0.6, blend={"sunrise_rel": 0.2})
         limits = {"cart_velocity_mm_s": 150, "cart_acceleration_mm_s2": 1000}
         p.lin(placed(pallet.then(place), kept), "lin(place)", **limits)
-        p.set("Vacuum.Pump", False, pump)
+        p.set("Vacuum.Pump", False, "vacuum.setPump(false)")
         p.wait(0.1, "milliSleep(100)")
         p.load(None, "carton.detach")
         p.lin_rel(Pose(z=-80), "linRel(0, 0, -CLEARANCE_MM)", cart_velocity_mm_s=400)

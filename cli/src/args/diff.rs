@@ -18,6 +18,9 @@ use super::{Answering, Timing, values::at_least_0};
 /// regardless of time. It is given for the flange path and for the path in joint space (Euclidean
 /// norm of the seven angles), which also shows another orientation or elbow angle.
 ///
+/// A second table has the times of groups of motions, if they differ. With --scene, the smallest
+/// distances of the arm from the obstacles and from itself are given.
+///
 /// Each version is a motion program, a plan (an MCAP file of `iiwasim plan`, whose figures are used
 /// as they are), or the folder of a Sunrise project. Two folders of programs are compared by file
 /// names: a program whose new version fails is reported on standard error and does not stop the
@@ -52,6 +55,11 @@ pub(crate) struct Diff {
     /// Built-in model or robot profile, instead of the programs'
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
+
+    /// Scene with obstacles in JSON (`iiwasim schema scene`), to print the clearances of the arm
+    /// before and after; plans in files have the clearances of their own scenes
+    #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
+    pub(crate) scene: Option<PathBuf>,
 
     #[command(flatten)]
     pub(crate) answering: Box<Answering>,

@@ -11,7 +11,8 @@ use std::{
 use iiwa_eval::PlanVersion;
 use iiwa_json::printable;
 use iiwa_log::PlanRecord;
-use iiwa_report::{DifferenceReport, DifferenceSummary, with_causes};
+use iiwa_report::{DifferenceReport, DifferenceSummary, add_clearances, carried, with_causes};
+use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::SweepOptions;
 
 use crate::{
@@ -64,7 +65,9 @@ fn has_json(folder: &Path) -> bool {
 
 /// Compares two versions of one program.
 fn run_one(options: &Diff) -> Result<(), Failure> {
-    let [old, new] = [&options.old, &options.new].map(|path| version(options, path));
+    let scene = options.scene.as_deref().map(input::scene).transpose()?;
+    let [old, new] =
+        [&options.old, &options.new].map(|path| version(options, scene.as_ref(), path));
     let report = DifferenceReport::new(&old?, &new?);
     if options.json {
         output::print_json(&report)?;
@@ -86,10 +89,13 @@ fn run_folders(options: &Diff) -> Result<(), Failure> {
             all.entry(name).or_default()[side] = Some(program);
         }
     }
+    let scene = options.scene.as_deref().map(input::scene).transpose()?;
     let mut summary = DifferenceSummary::default();
     for (name, [old, new]) in all {
         let name = name.to_string_lossy().into_owned();
-        let plan = |path: Option<PathBuf>| path.map(|path| version(options, &path)).transpose();
+        let plan = |path: Option<PathBuf>| {
+            path.map(|path| version(options, scene.as_ref(), &path)).transpose()
+        };
         // An old version that fails is not an error: the change may have mended the program.
         let old = plan(old).unwrap_or_else(|failure| {
             print_note(&format!("Note: {name} before the change: {}\n", failure.message()));
@@ -118,8 +124,8 @@ fn run_folders(options: &Diff) -> Result<(), Failure> {
     unmet.map_or(Ok(()), |unmet| Err(Failure::Gate(unmet)))
 }
 
-/// Plans a version, or reads its plan.
-fn version(options: &Diff, path: &Path) -> Result<PlanVersion, Failure> {
+/// Plans a version with its clearances, or reads its plan.
+fn version(options: &Diff, scene: Option<&Scene>, path: &Path) -> Result<PlanVersion, Failure> {
     if let Some(plan) = recorded_plan(path)? {
         return Ok(plan);
     }
@@ -131,7 +137,15 @@ fn version(options: &Diff, path: &Path) -> Result<PlanVersion, Failure> {
     };
     input.request.options.timing = options.timing.with(SweepOptions::default());
     let plan = input.plan()?;
-    Ok(PlanVersion::from(&plan))
+    let mut version = PlanVersion::from(&plan);
+    if let Some(scene) = scene {
+        let shapes = carried(&input.source).map_err(|error| input.to_failure(&error))?;
+        let arm = ArmInScene::new(&input.robot()?, scene).carrying(&shapes);
+        for section in plan.trajectory.sections() {
+            add_clearances(version.figures_mut(), &arm, section);
+        }
+    }
+    Ok(version)
 }
 
 /// Reads a plan, if the file is one. A pipe is left to the reader of programs, since its first

@@ -27,5 +27,7 @@ pub use compare::{
 pub use estimate::Estimate;
 pub use load_planning::LoadPlanning;
 pub use local_cubic::local_cubic;
-pub use plan_difference::{MotionDifference, PathChange, PlanDifference, PlanVersion};
+pub use plan_difference::{
+    GroupDifference, MotionDifference, PathChange, PlanDifference, PlanVersion,
+};
 pub use virtual_robot::{VirtualRobot, VirtualRobotError};

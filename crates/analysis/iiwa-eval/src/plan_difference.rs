@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use iiwa_log::{PlanRecord, PlanRecordError};
-use iiwa_plan::{MotionRecord, Plan, PlanFigures};
+use iiwa_plan::{GroupRecord, MotionRecord, Plan, PlanFigures};
 use iiwa_program::{Course, Motion, Program};
 use nalgebra::SVector;
 use similar::{Algorithm, DiffOp, capture_diff_slices};
@@ -24,6 +24,11 @@ impl PlanVersion {
     #[must_use]
     pub fn figures(&self) -> &PlanFigures {
         &self.figures
+    }
+
+    /// Figures of the plan, for example to add clearances to a scene.
+    pub fn figures_mut(&mut self) -> &mut PlanFigures {
+        &mut self.figures
     }
 
     /// Uses a plan that was read from a file.
@@ -108,6 +113,19 @@ fn target_of(motion: &Motion) -> String {
 pub struct PlanDifference {
     /// All motions of both plans, in order.
     pub motions: Vec<MotionDifference>,
+    /// Groups of motions: those of the old plan in order, then those that were added.
+    pub groups: Vec<GroupDifference>,
+}
+
+/// A group of motions of the old plan, of the new plan, or of both, matched by its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupDifference {
+    /// Name of the group.
+    pub name: String,
+    /// Group in the old plan; `None` if it was added.
+    pub old: Option<GroupRecord>,
+    /// Group in the new plan; `None` if it was removed.
+    pub new: Option<GroupRecord>,
 }
 
 /// A motion of the old plan, of the new plan, or of both.
@@ -151,8 +169,28 @@ impl PlanDifference {
                 MotionDifference { old, new, path }
             })
             .collect();
-        Self { motions }
+        Self { motions, groups: groups(&old.figures.groups, &new.figures.groups) }
     }
+}
+
+/// Matches the groups of two plans by their names.
+fn groups(old: &[GroupRecord], new: &[GroupRecord]) -> Vec<GroupDifference> {
+    let by_name = |groups: &[GroupRecord]| -> HashMap<String, GroupRecord> {
+        groups.iter().map(|group| (group.name.clone(), group.clone())).collect()
+    };
+    let (mut before, mut after) = (by_name(old), by_name(new));
+    let names = old.iter().chain(new).map(|group| &group.name);
+    names
+        .filter_map(|name| {
+            let (old, new) = (before.remove(name), after.remove(name));
+            // A group of both plans is found twice.
+            (old.is_some() || new.is_some()).then(|| GroupDifference {
+                name: name.clone(),
+                old,
+                new,
+            })
+        })
+        .collect()
 }
 
 /// Indices of a motion in the old and in the new plan.

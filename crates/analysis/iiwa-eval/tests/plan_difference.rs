@@ -134,3 +134,54 @@ fn a_blend_changes_the_path_of_both_motions() {
     }
     assert_eq!(flange_m(&all[3]), 0.0);
 }
+
+/// Groups are matched by their names, wherever their motions are.
+#[test]
+fn groups_are_matched_by_names() {
+    let with_groups = |groups: [&str; 5], wait_s: f64| {
+        let mut program = lines();
+        for (motion, group) in groups.into_iter().enumerate() {
+            program["motions"][motion]["group"] = json!(group);
+        }
+        program["motions"][2]["seconds"] = json!(wait_s);
+        program
+    };
+    let old = with_groups(["go", "work", "work", "work", "back"], 0.5);
+    let new = with_groups(["work", "work", "work", "go", "home"], 0.75);
+    let groups = PlanDifference::between(&version(&old), &version(&new)).groups;
+    let counts: Vec<_> = groups
+        .iter()
+        .map(|group| {
+            let count = |side: &Option<iiwa_plan::GroupRecord>| side.as_ref().map(|it| it.motions);
+            (group.name.as_str(), count(&group.old), count(&group.new))
+        })
+        .collect();
+    assert_eq!(
+        counts,
+        [
+            ("go", Some(1), Some(1)),
+            ("work", Some(3), Some(3)),
+            ("back", Some(1), None),
+            ("home", None, Some(1)),
+        ]
+    );
+    let longer = with_groups(["go", "work", "work", "work", "back"], 0.75);
+    let groups = PlanDifference::between(&version(&old), &version(&longer)).groups;
+    let changes: Vec<f64> = groups
+        .iter()
+        .map(|group| {
+            let duration_s =
+                |side: &Option<iiwa_plan::GroupRecord>| side.as_ref().unwrap().duration_s;
+            duration_s(&group.new) - duration_s(&group.old)
+        })
+        .collect();
+    assert_eq!(changes.len(), 3);
+    for (change, expected) in changes.into_iter().zip([0.0, 0.25, 0.0]) {
+        assert!((change - expected).abs() < 1e-9, "{change}");
+    }
+    assert_eq!(differences_of_groups(&lines()), []);
+}
+
+fn differences_of_groups(program: &Value) -> Vec<iiwa_eval::GroupDifference> {
+    PlanDifference::between(&version(program), &version(program)).groups
+}

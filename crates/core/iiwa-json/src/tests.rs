@@ -24,6 +24,27 @@ fn stays_at_the_last_value_that_is_there() {
     assert_eq!((place.line, place.column), (2, 14));
 }
 
+#[test]
+fn finds_repeated_keys() {
+    let text = r#"{ "b": { "a": {}, "x": [{ "a": 1 }] }, "a": [1, { "c": 2, "a": 2 }],
+                   "\u0061": { "a": 3 }, "d": 4, "a" 5 }"#;
+    let found = |at: &str| {
+        let places = repeated_key(text, text.find(at).unwrap());
+        places.map(|places| places.map(|place| (place.line, place.column)))
+    };
+    // The object itself, one of its keys, a value of it.
+    for at in ["{ \"b\"", "\"d\"", "4,"] {
+        assert_eq!(found(at), Some([(1, 40), (2, 20)]), "{at}");
+    }
+    // Other objects, and a list.
+    for at in ["{ \"a\": {}", "\"x\"", "{ \"c\"", "2,", "{ \"a\": 3", "1, {"] {
+        assert_eq!(found(at), None, "{at}");
+    }
+    assert_eq!(repeated_key("", 0), None);
+    assert_eq!(repeated_key(&"[".repeat(1_000_000), 999_999), None);
+    assert_eq!(repeated_key(&"{".repeat(1_000_000), 0), None);
+}
+
 fn error<'a, T: Deserialize<'a>>(text: &'a str) -> (usize, usize, &'a str, String) {
     let error = serde_json::from_str::<T>(text).err().unwrap();
     let place = JsonPlace::of_error(text, text, &error);

@@ -113,10 +113,10 @@ fn elbow<T: Number>([_, d3, d5, _]: &[f64; 4], distance: T) -> Result<(T, T), Un
 #[cold]
 fn check_distance(distance: f64, longest: f64, shortest: f64) -> Result<(), Unreachable> {
     if distance > longest + ROUNDING_M {
-        return Err(Unreachable::TooFar { by_mm: 1e3 * (distance - longest) });
+        return Err(Unreachable::too_far("wrist", distance, longest));
     }
     if distance < shortest - ROUNDING_M {
-        return Err(Unreachable::TooNear { by_mm: 1e3 * (shortest - distance) });
+        return Err(Unreachable::too_near("wrist", distance, shortest));
     }
     Ok(())
 }

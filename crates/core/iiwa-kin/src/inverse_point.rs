@@ -118,8 +118,8 @@ fn out_of_reach(d3: f64, [distance, lever, y]: [f64; 3]) -> Unreachable {
     };
     let distance = distance.sqrt();
     if distance > reach(1.0) - ROUNDING_M {
-        Unreachable::TooFar { by_mm: 1e3 * (distance - reach(1.0)).max(0.0) }
+        Unreachable::too_far("TCP", distance, reach(1.0))
     } else {
-        Unreachable::TooNear { by_mm: 1e3 * (reach(-1.0) - distance).max(0.0) }
+        Unreachable::too_near("TCP", distance, reach(-1.0))
     }
 }

@@ -37,6 +37,16 @@ pub struct OutsideRange {
     pub range_rad: [f64; 2],
 }
 
+impl OutsideRange {
+    /// Excess beyond the nearer limit, in degrees; NaN if the position is NaN.
+    #[must_use]
+    pub fn excess_deg(&self) -> f64 {
+        let [lower, upper] = self.range_rad;
+        let nearest = if self.found_rad < lower { lower } else { upper };
+        degrees((self.found_rad - nearest).abs())
+    }
+}
+
 /// Tolerance by which a joint may exceed its range, in rad. A thousandth of an arc second: a limit
 /// typed in degrees must not fail by rounding.
 const ROUNDING_RAD: f64 = 5e-9;
@@ -62,6 +72,7 @@ impl Limits {
     ///     Robot::lbr_iiwa_7_r800().limits().check(&degrees.map(f64::to_radians)).unwrap_err();
     /// assert_eq!(outside.joint, Joint::A4);
     /// assert_eq!(outside.to_string(), "joint A4 is at -130 deg; its range is -120 to 120 deg");
+    /// assert_eq!(outside.excess_deg(), 10.0);
     /// ```
     pub fn check(&self, joints_rad: &Joints) -> Result<(), OutsideRange> {
         for joint in Joint::ALL {

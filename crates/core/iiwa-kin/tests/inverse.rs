@@ -281,15 +281,18 @@ fn reports_the_distance_out_of_reach() {
     let status = Status::new(0).unwrap();
     let upright = |x, z| Pose { position_m: [x, 0.0, z], ..Pose::IDENTITY };
     let far = robot.inverse(&upright(0.0, 0.34 + 0.8 + 0.152 + 0.0125), 0.0, status).unwrap_err();
-    assert!(matches!(far, Unreachable::TooFar { by_mm } if (by_mm - 12.5).abs() < 1e-9), "{far}");
+    let expected = "out of reach: the arm is 12.500 mm too short: the wrist would be 812.500 mm \
+                    from the shoulder, and the stretched arm reaches 800.000 mm";
+    assert!(matches!(far, Unreachable::TooFar { by_mm, .. } if (by_mm - 12.5).abs() < 1e-9));
+    assert_eq!(far.to_string(), expected);
 
     // Upper arm and forearm of the iiwa 14 differ by 20 mm.
     let big = Robot::lbr_iiwa_14_r820();
     let near = big.inverse(&upright(0.005, 0.36 + 0.152), 0.0, status).unwrap_err();
-    assert!(
-        matches!(near, Unreachable::TooNear { by_mm } if (by_mm - 15.0).abs() < 1e-9),
-        "{near}"
-    );
+    let expected = "out of reach: the wrist is 15.000 mm too near to the shoulder: it would be \
+                    5.000 mm from the shoulder, and the folded arm comes as near as 20.000 mm";
+    assert!(matches!(near, Unreachable::TooNear { by_mm, .. } if (by_mm - 15.0).abs() < 1e-9));
+    assert_eq!(near.to_string(), expected);
 
     let low = robot.flange_pose(&[0.0, 0.5, 0.0, 2.0, 0.0, 1.0, 0.0]);
     let e1 = robot.inverse(&low, 1.5, status).unwrap_err();

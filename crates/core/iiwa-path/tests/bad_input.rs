@@ -157,7 +157,7 @@ fn unknown_names() {
     check("\"type\": \"wait\", ", "", (7, 5), "{", &message);
     let message = "motion 3: expected a string, found `3`";
     check("\"wait\"", "3", (7, 15), "3", message);
-    let message = "motion 3: the key `type` appears twice";
+    let message = "motion 3: the key `type` appears twice, first at line 7, column 7";
     check("\"wait\"", "\"wait\", \"type\": \"ptp\"", (7, 23), "\"type\"", message);
 }
 
@@ -214,7 +214,7 @@ fn joints_that_are_not_seven_numbers() {
         &format!("{joints}, {joints}"),
         (8, 64),
         "\"joints_deg\"",
-        "motion 4: the key `joints_deg` appears twice",
+        "motion 4: the key `joints_deg` appears twice, first at line 8, column 22",
     );
 }
 

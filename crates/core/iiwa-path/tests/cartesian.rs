@@ -61,7 +61,11 @@ fn invalid_motions_are_refused_with_their_place() {
         ("/base", json!("floor"), vec!["unknown base `floor`", "`table`, `tray`"]),
         ("/motions/0/frame", json!("place"), vec!["motion 1", "unknown frame `place`", "`pick`"]),
         ("/bases/table/base", json!("tray"), vec!["refers to itself"]),
-        ("/motions/0/frame", to(2000.0, 300.0, &json!({})), vec!["motion 1", "mm too short"]),
+        (
+            "/motions/0/frame",
+            to(2000.0, 300.0, &json!({})),
+            vec!["motion 1", "mm too short: the wrist would be", "mm from the shoulder"],
+        ),
         (
             "/motions/0/frame",
             to(100.0, 700.0, &json!({ "e1_deg": 90.0, "status": 2 })),
@@ -70,10 +74,17 @@ fn invalid_motions_are_refused_with_their_place() {
         (
             "/motions/0/frame",
             to(-300.0, 500.0, &json!({ "status": 2 })),
-            vec!["motion 1", "joint A"],
+            vec![
+                "motion 1",
+                "at the frame, joint A1 is at",
+                "; its range is -170 to 170 deg, exceeded by",
+                "; E1 is 0 deg there, and has to be from",
+                "with this status",
+            ],
         ),
         ("/frames/pick/x_mm", json!("10"), vec!["a number"]),
-        ("/motions/0/frame", json!({ "x_mm": 10 }), vec!["motion 1", "`y_mm` is missing"]),
+        ("/motions/0/frame", json!({ "x_mm": 10 }), vec!["motion 1", "`y_mm`, `z_mm`, `a_deg`,"]),
+        ("/motions/2/in", json!("trai"), vec!["motion 3: unknown frame or base `trai`", "`tray`"]),
         ("/motions/0/blend", json!({ "ori_deg": 5 }), vec!["motion 1", "unknown key `ori_deg`"]),
         (
             "/motions/1/blend",
@@ -140,6 +151,60 @@ fn singular_poses_are_refused_with_a_way_out() {
     let refused = plan(&program).unwrap_err();
     assert!(refused.contains("at 0.0 % of the way, the arm is singular"), "{refused}");
     assert!(refused.contains("go there by ptp"), "{refused}");
+}
+
+/// The range of E1 in the message is that in which the motion is possible.
+#[test]
+fn a_possible_e1_is_named() {
+    let program = |e1_deg: f64| {
+        json!({
+            "version": 1,
+            "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+            "motions": [{ "type": "ptp", "frame": {
+                "x_mm": -300, "y_mm": 0, "z_mm": 500, "a_deg": 0, "b_deg": 0, "c_deg": 180,
+                "e1_deg": e1_deg, "status": 2
+            } }]
+        })
+    };
+    let refused = plan(&program(0.0)).unwrap_err();
+    let (_, range) = refused.split_once("has to be from ").unwrap();
+    let numbers: Vec<f64> = range.split(' ').filter_map(|word| word.parse().ok()).take(2).collect();
+    let [from, to] = numbers[..] else { panic!("{refused}") };
+    for e1_deg in [from, to] {
+        plan(&program(e1_deg)).unwrap();
+    }
+    plan(&program(from - 0.2)).unwrap_err();
+}
+
+/// An offset may be in the orientation of a base. A frame of the same name takes precedence.
+#[test]
+fn offsets_are_in_frames_or_bases() {
+    let end = |within: &str, frames: Value, by_mm: [f64; 3]| {
+        let program = json!({
+            "version": 1,
+            "bases": { "table": { "a_deg": 90 }, "tray": { "base": "table", "a_deg": 90 } },
+            "frames": frames,
+            "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
+            "motions": [{ "type": "lin_rel", "offset": { "x_mm": 30 }, "in": within }]
+        });
+        let path = plan(&program).unwrap();
+        let iiwa_path::Step::Move { segment, .. } = &path.steps()[0] else { panic!() };
+        let [from, to] =
+            [0.0, 1.0].map(|s| Robot::default().flange_pose(&segment.at(s).q).position_m);
+        for ((from, to), by) in from.iter().zip(to).zip(by_mm) {
+            assert!((1e3 * (to - from) - by).abs() < 1e-6, "{within}: {from} {to}");
+        }
+    };
+    let frame = |a_deg: f64| {
+        json!({
+            "x_mm": 0, "y_mm": 0, "z_mm": 0, "a_deg": a_deg, "b_deg": 0, "c_deg": 0
+        })
+    };
+    end("robot", json!({}), [30.0, 0.0, 0.0]);
+    end("table", json!({}), [0.0, 30.0, 0.0]);
+    end("tray", json!({}), [-30.0, 0.0, 0.0]);
+    end("corner", json!({ "corner": frame(-90.0) }), [0.0, -30.0, 0.0]);
+    end("table", json!({ "table": frame(-90.0) }), [0.0, -30.0, 0.0]);
 }
 
 #[test]

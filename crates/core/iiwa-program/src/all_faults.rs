@@ -85,7 +85,8 @@ impl Program {
             Course::Ptp { to } | Course::Lin { to } => target(to),
             Course::LinRel { within, .. } => {
                 let tool = self.workcell.tcp(tool).err().map(|fault| ("tool", fault.into()));
-                tool.or_else(|| self.name_fault(base, "in", within.as_ref()?))
+                let reference = |within| self.workcell.reference(within, base).err();
+                tool.or_else(|| Some(("in", reference(within.as_ref()?)?.into())))
             }
             Course::Circ(circ) => circle(circ),
             Course::Spline(segments) => segments.iter().enumerate().find_map(|(index, segment)| {

@@ -1,6 +1,6 @@
 //! Faults of motions to frames.
 
-use iiwa_kin::{OutsideRange, SingularPart, Unreachable};
+use iiwa_kin::{OutsideRange, Pose, Robot, SingularPart, Status, Unreachable};
 
 use crate::{limit_kind::percent, workcell::NameFault};
 
@@ -15,8 +15,16 @@ pub enum CartesianFault {
     #[error("the frame is {0}")]
     Unreachable(#[from] Unreachable),
     /// The joint positions at the frame are outside the joint ranges.
-    #[error("at the frame, {0}")]
-    Outside(OutsideRange),
+    #[error("at the frame, {}{}", exceeded(.outside), allowed_e1(*.e1_rad, .allowed_e1_rad))]
+    Outside {
+        /// Joint found outside, and its range.
+        outside: OutsideRange,
+        /// E1 at the frame, in rad.
+        e1_rad: f64,
+        /// Ranges of E1, in rad, in which all joints are within their ranges with the same status;
+        /// empty if no such range exists.
+        allowed_e1_rad: Vec<[f64; 2]>,
+    },
     /// The course is not defined, see [`CourseFault`].
     #[error(transparent)]
     Course(#[from] CourseFault),
@@ -29,7 +37,7 @@ pub enum CartesianFault {
         reason: Unreachable,
     },
     /// A joint leaves its range along the path.
-    #[error("at {:.1} % of the way, {outside}{}", 100.0 * .s, hint(*.other_e1_deg))]
+    #[error("at {:.1} % of the way, {}{}", 100.0 * .s, exceeded(.outside), hint(*.other_e1_deg))]
     OutsideOnTheWay {
         /// Position of the largest excess, as a share of the path length.
         s: f64,
@@ -134,11 +142,24 @@ pub enum CourseFault {
 }
 
 impl CartesianFault {
+    /// Fault of joint positions at a flange pose that are outside their ranges.
+    #[must_use]
+    pub fn outside(
+        robot: &Robot,
+        flange: &Pose,
+        e1_rad: f64,
+        status: Status,
+        outside: OutsideRange,
+    ) -> Self {
+        let allowed_e1_rad = robot.allowed_e1(flange, status).unwrap_or_default();
+        Self::Outside { outside, e1_rad, allowed_e1_rad }
+    }
+
     /// Returns true if the motion is well formed but infeasible for the robot.
     pub(crate) fn is_of_the_arm(&self) -> bool {
         match self {
             Self::Unreachable(_)
-            | Self::Outside(_)
+            | Self::Outside { .. }
             | Self::UnreachableOnTheWay { .. }
             | Self::OutsideOnTheWay { .. }
             | Self::Singular { .. }
@@ -168,6 +189,41 @@ impl CartesianFault {
             Self::Singular { s, part, .. } => Self::Singular { s, part, other_e1_deg: None },
             other => other,
         }
+    }
+}
+
+/// A joint outside its range, with the excess.
+fn exceeded(outside: &OutsideRange) -> String {
+    format!("{outside}, exceeded by {} deg", rounded_up(outside.excess_deg()))
+}
+
+/// A positive number of degrees, to three decimals and not less.
+fn rounded_up(deg: f64) -> f64 {
+    let rounded = (deg * 1e3 - 1e-6).ceil() / 1e3;
+    if rounded.is_finite() { rounded } else { deg }
+}
+
+/// E1 at a frame, and the ranges of E1 that are possible there.
+fn allowed_e1(e1_rad: f64, allowed_rad: &[[f64; 2]]) -> String {
+    let e1_deg = (e1_rad.to_degrees() * 1e3).round() / 1e3;
+    let ranges: Vec<String> = allowed_rad
+        .iter()
+        // Rounded inwards, which leaves out ranges that are too narrow for a tenth.
+        .map(|[from, to]| {
+            [
+                from.to_degrees().mul_add(10.0, -1e-6).ceil(),
+                to.to_degrees().mul_add(10.0, 1e-6).floor(),
+            ]
+        })
+        .filter(|[from, to]| from <= to)
+        .map(|range| range.map(|tenths| tenths / 10.0 + 0.0))
+        .map(|[from, to]| format!("{from} to {to} deg"))
+        .collect();
+    if ranges.is_empty() {
+        format!("; E1 is {e1_deg} deg there, and no other E1 helps with this status")
+    } else {
+        let ranges = ranges.join(", or from ");
+        format!("; E1 is {e1_deg} deg there, and has to be from {ranges} with this status")
     }
 }
 

@@ -61,7 +61,8 @@ pub enum Course {
         offset: Frame,
         /// Position of A3 at the end, in rad; as at the start by default.
         e1_rad: Option<f64>,
-        /// Frame in whose orientation the offset is given; that of the TCP at the start by default.
+        /// Frame or base in whose orientation the offset is given; that of the TCP at the start by
+        /// default. Resolved by [`Workcell::reference`](crate::Workcell::reference).
         within: Option<TargetRef>,
     },
     /// TCP circle.

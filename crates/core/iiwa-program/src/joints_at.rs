@@ -49,10 +49,13 @@ impl Program {
             .or(before.map(|q| Status::of(robot, q)))
             .unwrap_or_else(|| Status::of(robot, &[0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0]));
         let at_frame = |fault| ("frame", fault);
+        let flange = pose.then(&tcp.inverse());
         let joints = robot
-            .inverse(&pose.then(&tcp.inverse()), e1_rad, status)
+            .inverse(&flange, e1_rad, status)
             .map_err(|fault| at_frame(CartesianFault::Unreachable(fault)))?;
-        robot.limits().check(&joints).map_err(|fault| at_frame(CartesianFault::Outside(fault)))?;
+        robot.limits().check(&joints).map_err(|outside| {
+            at_frame(CartesianFault::outside(robot, &flange, e1_rad, status, outside))
+        })?;
         Ok(joints)
     }
 }

@@ -56,8 +56,10 @@ impl MotionLabel {
         self.name.is_none() && self.comment.is_none() && self.group.is_none()
     }
 
-    /// Key of the first unsuitable text, with the reason.
-    pub(crate) fn fault(&self) -> Option<(&'static str, String)> {
+    /// Key of the first text that a program cannot have, with the reason: an empty name or group, a
+    /// text that is too long, a control character.
+    #[must_use]
+    pub fn fault(&self) -> Option<(&'static str, String)> {
         let Self { name, comment, group } = self;
         let is_forbidden = |c: char| c.is_control();
         let of_name = |key, text: &Option<String>| {

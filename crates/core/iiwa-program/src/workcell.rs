@@ -88,7 +88,7 @@ pub enum NameFault {
     /// The tool, TCP, base or frame is unknown.
     #[error("unknown {kind} `{}`{}", excerpt(.name), suggestion(.name, .known))]
     Unknown {
-        /// Kind of the name: `tool`, `base` or `frame`.
+        /// Kind of the name: `tool`, `base`, `frame`, or `frame or base`.
         kind: &'static str,
         /// Name found.
         name: String,
@@ -216,6 +216,29 @@ impl Workcell {
         };
         let base = self.base(target.base.as_deref().or(base))?;
         Ok((target, base.then(&target.frame.pose())))
+    }
+
+    /// Pose in the robot base of a frame or a base in whose orientation an offset is given. A named
+    /// frame takes precedence over a base of the same name.
+    ///
+    /// # Errors
+    ///
+    /// If the frame or a base is unknown.
+    pub fn reference(&self, target: &TargetRef, base: Option<&str>) -> Result<Pose, NameFault> {
+        match target {
+            TargetRef::Named(name) if !self.frames.contains_key(name) => {
+                if name == ROBOT || self.bases.contains_key(name) {
+                    return self.base(Some(name));
+                }
+                let bases = self.bases.keys().filter(|name| !self.frames.contains_key(*name));
+                Err(NameFault::Unknown {
+                    kind: "frame or base",
+                    name: name.clone(),
+                    known: self.frames.keys().chain(bases).cloned().collect(),
+                })
+            }
+            target => self.target(target, base).map(|(_, pose)| pose),
+        }
     }
 
     /// Merges `overrides` into these tools, bases and frames. Names of `overrides` take precedence;

@@ -247,3 +247,72 @@ fn fixtures_have_no_faults() {
     }
     assert!(count > 5);
 }
+
+/// All missing keys of a frame are in one error, at the frame.
+#[test]
+fn all_missing_keys_of_a_frame_are_named_at_once() {
+    let program = |frames: &str, motion: &str| {
+        let text = format!(
+            "{{ \"version\": 1, \"start\": {{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }},\n\
+             \"frames\": {{ {frames} }},\n\"motions\": [\n{motion} ] }}"
+        );
+        Program::from_json(&text).unwrap_err().to_string()
+    };
+    let position = r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3 }"#;
+    let lin = |frame: &str| format!("{{ \"type\": \"lin\", \"frame\": {frame} }}");
+    let angles = "`a_deg`, `b_deg` and `c_deg` are missing, at line";
+    assert_eq!(program("", &lin(position)), format!("motion 1: {angles} 4, column 27"));
+    assert_eq!(
+        program(&format!("\"pick\": {position}"), &lin("\"pick\"")),
+        format!("`pick`: {angles} 2, column 21")
+    );
+    assert_eq!(
+        program("", &lin(r#"{ "y_mm": 2, "a_deg": 0, "b_rad": 0 }"#)),
+        "motion 1: `x_mm`, `z_mm` and `c_deg` are missing, at line 4, column 27"
+    );
+    assert_eq!(
+        program("", &lin(r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_rad": 0 }"#)),
+        "motion 1: `c_deg` is missing, at line 4, column 27"
+    );
+}
+
+/// A name or a key that appears twice is reported with both places.
+#[test]
+fn both_places_of_a_repeated_name_are_named() {
+    let frame = r#"{ "x_mm": 1, "y_mm": 2, "z_mm": 3, "a_deg": 0, "b_deg": 0, "c_deg": 0 }"#;
+    let tool = r#"{ "tcp": { "z_mm": 1 } }"#;
+    let wait = r#"{ "type": "wait", "seconds": 1 }"#;
+    for (entries, expected) in [
+        (
+            format!("\"frames\": {{ \"a\": {frame},\n\"b\": {frame},\n  \"a\": {frame} }},"),
+            "the name `a` appears twice, first at line 2, column 13, at line 4, column 3",
+        ),
+        (
+            format!("\"tools\": {{\n\"t\": {tool},\n  \"t\": {tool} }},"),
+            "the name `t` appears twice, first at line 3, column 1, at line 4, column 3",
+        ),
+        (
+            format!("\"tools\": {{ \"t\": {tool} }},\n\"tools\": {{ \"u\": {tool} }},"),
+            "the key `tools` appears twice, first at line 2, column 1, at line 3, column 1",
+        ),
+        (
+            "\"bases\": { \"t\": { \"x_mm\": 1,\n\"x_mm\": 2 } },".to_owned(),
+            "the key `x_mm` appears twice, first at line 2, column 19, at line 3, column 1",
+        ),
+    ] {
+        let text = format!(
+            "{{ \"version\": 1, \"start\": {{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }},\n\
+             {entries}\n\"motions\": [{wait}] }}"
+        );
+        assert_eq!(Program::from_json(&text).unwrap_err().to_string(), expected);
+    }
+    let text = format!(
+        "{{ \"version\": 1, \"start\": {{ \"joints_deg\": [0, 0, 0, 0, 0, 0, 0] }},\n\
+         \"motions\": [{wait},\n{{ \"type\": \"wait\", \"seconds\": 1, \"seconds\": 2 }}] }}"
+    );
+    assert_eq!(
+        Program::from_json(&text).unwrap_err().to_string(),
+        "motion 2: the key `seconds` appears twice, first at line 3, column 19, \
+         at line 3, column 33"
+    );
+}

@@ -5,11 +5,13 @@ use std::fmt::Write as _;
 use comfy_table::{Table, presets};
 use iiwa_eval::{MotionDifference, PlanDifference, PlanVersion};
 use iiwa_json::{excerpt, printable};
-use iiwa_plan::{LimitRecord, MotionRecord, is_above};
+use iiwa_plan::{ClearanceRecord, LimitRecord, MotionRecord, SelfClearanceRecord, is_above};
 use iiwa_program::IoValue;
 use serde::Serialize;
 
 use crate::{
+    difference_clearance::ClearanceChange,
+    difference_groups::{GroupRow, group_table},
     markdown::escaped,
     signed::{rounded, signed},
     table::{fitted, shortened, table},
@@ -35,10 +37,19 @@ pub struct DifferenceReport {
     motion_time_s: Times,
     settle_time_s: Times,
     wait_time_s: Times,
+    /// Smallest distances between the arm and the scene, if both are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clearance: Option<ClearanceChange<ClearanceRecord>>,
+    /// Smallest distances of the arm from itself, if both are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    self_clearance: Option<ClearanceChange<SelfClearanceRecord>>,
     /// Number of motions that are equal in both plans.
     unchanged: usize,
     /// Motions that differ, in order.
     motions: Vec<DifferenceRow>,
+    /// All groups of motions.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    groups: Vec<GroupRow>,
 }
 
 /// A time in both plans.
@@ -229,15 +240,19 @@ impl DifferenceReport {
             motion_time_s: times(a.motion_time_s, b.motion_time_s),
             settle_time_s: times(a.settle_time_s, b.settle_time_s),
             wait_time_s: times(a.wait_time_s, b.wait_time_s),
+            clearance: ClearanceChange::new([a, b], |figures| figures.clearance.as_ref()),
+            self_clearance: ClearanceChange::new([a, b], |figures| figures.self_clearance.as_ref()),
             unchanged: difference.motions.len() - motions.len(),
             motions,
+            groups: difference.groups.iter().map(GroupRow::new).collect(),
         }
     }
 
-    /// Returns true if the plans have the same motions, names, times, paths and limits.
+    /// Returns true if the plans have the same motions, names, groups, times, paths and limits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.motions.is_empty()
+            && !self.has_other_groups()
             && self.robots[0] == self.robots[1]
             && self.timings[0] == self.timings[1]
             && self.cycle_time_s.change().abs() < LEAST_CHANGE_S
@@ -279,6 +294,10 @@ impl DifferenceReport {
         if !self.motions.is_empty() {
             let _ = writeln!(text, "{}\n", fitted(self.table(str::to_owned), width));
         }
+        if self.has_other_groups() {
+            let table = group_table(&self.groups, str::to_owned);
+            let _ = writeln!(text, "{}\n", fitted(table, width));
+        }
         self.sentences().for_each(|line| _ = writeln!(text, "{line}"));
         text
     }
@@ -293,7 +312,17 @@ impl DifferenceReport {
             table.load_style(presets::ASCII_MARKDOWN);
             let _ = writeln!(text, "\n{table}");
         }
+        if self.has_other_groups() {
+            let mut table = group_table(&self.groups, escaped);
+            table.load_style(presets::ASCII_MARKDOWN);
+            let _ = writeln!(text, "\n{table}");
+        }
         text
+    }
+
+    /// Returns true if any group differs.
+    fn has_other_groups(&self) -> bool {
+        self.groups.iter().any(|group| group.differs(LEAST_CHANGE_S))
     }
 
     /// Returns true if any motion has a name.
@@ -376,6 +405,9 @@ impl DifferenceReport {
                 name.unwrap_or_default()
             ));
         }
+        let clearance = self.clearance.as_ref().map(|it| it.sentence("Clearance"));
+        let of_itself = self.self_clearance.as_ref().map(|it| it.sentence("Arm from itself"));
+        lines.extend(clearance.into_iter().chain(of_itself));
         for (name, [old, new]) in [("robots", robots), ("timing methods", timings)] {
             if old != new {
                 lines.push(format!("Planned with different {name}: {old} before, {new} after"));

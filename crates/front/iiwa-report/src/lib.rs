@@ -12,6 +12,8 @@
 //!   [`plan_table`] and [`Summary`] format results as text and tables.
 
 mod comparison_report;
+mod difference_clearance;
+mod difference_groups;
 mod difference_report;
 mod difference_summary;
 mod duration;

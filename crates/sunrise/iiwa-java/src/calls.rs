@@ -547,6 +547,7 @@ impl Machine {
         let from = self.place.clone();
         self.java.activations.push(Activation {
             class,
+            from: from.clone(),
             this,
             locals: Vec::new(),
             method: method.to_owned(),

@@ -11,6 +11,7 @@ use crate::{
     classes::Classes,
     effects::Effects,
     function::KnownFunction,
+    place::SourceLine,
     syntax::{Lambda, TypeName, TypeParameter},
     value::{JavaObject, Local, Value},
 };
@@ -52,6 +53,8 @@ pub(crate) struct JavaState {
 pub(crate) struct Activation {
     /// Class that contains the code.
     pub(crate) class: ClassId,
+    /// Place of the call.
+    pub(crate) from: SourceLine,
     pub(crate) this: Option<Rc<JavaObject>>,
     pub(crate) locals: Vec<Local>,
     /// Name of the method.

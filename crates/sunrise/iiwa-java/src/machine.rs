@@ -225,6 +225,17 @@ impl Machine {
         result
     }
 
+    /// Returns the place where code outside of the project classes that extend `base`, a class
+    /// outside the project, has called them; the current place if they are not running.
+    #[must_use]
+    pub fn place_outside(&self, base: &str) -> SourceLine {
+        let calls = self.java.activations.iter().rev();
+        calls
+            .take_while(|call| self.java.classes.foreign_parent(call.class) == Some(base))
+            .last()
+            .map_or_else(|| self.place.clone(), |call| call.from.clone())
+    }
+
     /// Adds a note for the user, unless it exists.
     pub fn note(&mut self, text: impl Into<String>) {
         let note = Note { text: text.into(), place: self.place.clone() };

@@ -39,6 +39,7 @@ mod data_file;
 mod element;
 mod error;
 mod export;
+mod label_comment;
 mod names;
 mod project;
 mod project_folder;

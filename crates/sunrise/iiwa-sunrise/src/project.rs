@@ -7,9 +7,11 @@ use std::{
 };
 
 use iiwa_java::{Classes, CompilationUnit, SourceError, SourceFault, decode};
+use iiwa_program::MotionLabel;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::{
+    label_comment::stated_labels,
     project_folder::{self, DATA_FILE, FolderFault, MAX_FILES, MAX_FOLDERS, STATION_FILE},
     robot_statement::{RobotStatement, in_java, in_station},
 };
@@ -47,6 +49,8 @@ pub struct SourceFile {
     robots: Vec<RobotStatement>,
     /// Stated durations in s, by line.
     times: Vec<(usize, f64)>,
+    /// Stated labels, by line.
+    labels: Vec<(u32, MotionLabel)>,
 }
 
 /// Returns the durations that the comments `// iiwasim: SECONDS s` at the ends of lines state.
@@ -235,14 +239,20 @@ impl Project {
 
 impl SourceFile {
     fn read(path: String, text: Result<String, SourceFault>) -> Self {
-        let (unit, robots, times) = match text {
-            Ok(text) => (iiwa_java::read(&path, &text), in_java(&path, &text), stated_times(&text)),
+        match text {
+            Ok(text) => Self {
+                unit: iiwa_java::read(&path, &text),
+                robots: in_java(&path, &text),
+                times: stated_times(&text),
+                labels: stated_labels(&text),
+                path,
+            },
             Err(fault) => {
                 let error = SourceError { file: path.clone(), line: 1, column: 1, fault };
-                (Err(error), Vec::new(), Vec::new())
+                let (robots, times, labels) = (Vec::new(), Vec::new(), Vec::new());
+                Self { path, unit: Err(error), robots, times, labels }
             }
-        };
-        Self { path, unit, robots, times }
+        }
     }
 
     /// Returns the path relative to the project folder, with `/`.
@@ -262,6 +272,14 @@ impl SourceFile {
     #[must_use]
     pub fn times(&self) -> &[(usize, f64)] {
         &self.times
+    }
+
+    /// Returns the names, comments and groups that comment lines of the file state, with the
+    /// numbers of the lines that follow them: `// iiwasim name: approach` names the motion of the
+    /// next line, and `comment:` and `group:` are the other keys.
+    #[must_use]
+    pub fn labels(&self) -> &[(u32, MotionLabel)] {
+        &self.labels
     }
 
     /// Returns the error if the file cannot be used.

@@ -25,7 +25,7 @@ pub(crate) fn read_with(cell: &str, motions: &str) -> Program {
         .unwrap()
 }
 
-fn export(program: &Program) -> ExportedProject {
+pub(crate) fn export(program: &Program) -> ExportedProject {
     exported(program).unwrap()
 }
 
@@ -40,7 +40,7 @@ fn statements(motions: &str) -> String {
 }
 
 /// Returns the body of `run()` in one line.
-fn java(program: &Program) -> String {
+pub(crate) fn java(program: &Program) -> String {
     let java = export(program).java;
     let (_, run) = java.split_once("void run() {").unwrap();
     let (run, _) = run.split_once("\n    }").unwrap();
@@ -370,12 +370,17 @@ fn names_and_comments_are_comment_lines() {
         comments.reverse();
         comments
     };
-    let first = ["// approach * / /u000a x", "// first line", "//  second }"];
+    let first = [
+        r"// iiwasim name: approach */ \u005cu000a x",
+        "// iiwasim comment: first line",
+        "// iiwasim comment:",
+        r"// iiwasim comment: \u0009second }",
+    ];
     assert_eq!(above("Math.toRadians(-70.0)"), first, "{java}");
-    assert_eq!(above("ThreadUtil.milliSleep(500L)"), ["// overlapping"], "{java}");
-    assert_eq!(above("ThreadUtil.milliSleep(100L)"), ["// pause"], "{java}");
-    assert_eq!(above("Math.toRadians(40.0)"), ["// Glühofen 溶接"], "{java}");
-    let order = ["// grip", ".attachTo(", "// Glühofen 溶接", "// nothing follows"];
+    assert_eq!(above("ThreadUtil.milliSleep(500L)"), ["// iiwasim name: overlapping"], "{java}");
+    assert_eq!(above("ThreadUtil.milliSleep(100L)"), ["// iiwasim name: pause"], "{java}");
+    assert_eq!(above("Math.toRadians(40.0)"), ["// iiwasim name: Glühofen 溶接"], "{java}");
+    let order = ["name: grip", ".attachTo(", "name: Glühofen 溶接", "comment: nothing follows"];
     let places = order.map(|part| java.find(part).unwrap());
     assert!(places.is_sorted(), "{java}");
     // Without the comments, the application is that of the program without labels.

@@ -11,6 +11,7 @@ mod java_library;
 mod loops;
 mod project;
 mod projects;
+mod reference_frames;
 mod robots;
 mod round_trip;
 mod signals;

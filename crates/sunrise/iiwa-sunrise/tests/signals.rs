@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
 use iiwa_kin::Robot;
-use iiwa_program::{IoEntry, IoValue, Motion, Program};
+use iiwa_program::{IoEntry, IoValue, Motion, MotionIndex, MotionLabel, Program};
 use iiwa_sunrise::{
     ExportError, ExportOptions, ExportedProject, Import, ImportOptions, Project, import,
 };
@@ -78,7 +78,10 @@ fn a_program_comes_back() {
     assert_eq!(again.motions, program.motions, "{java}");
     assert!(java.contains("import com.kuka.generated.ioAccess.GripperIOGroup;"), "{java}");
     assert!(java.contains("    @Inject\n    private GripperIOGroup ioGripper;"), "{java}");
-    assert!(java.contains("        // close\n        ioGripper.setClose(true);"), "{java}");
+    assert!(
+        java.contains("        // iiwasim name: close\n        ioGripper.setClose(true);"),
+        "{java}"
+    );
     assert!(java.contains("while (!ioGripper.getClosed()) { // iiwasim: 0.35 s"), "{java}");
     assert!(java.contains("while (ioGripper.getClosed()) { // iiwasim: 0.123456789 s"), "{java}");
     assert!(java.contains("ioLamp.setColour(3);") && java.contains("ioBelt.setSpeed(-0.5);"));
@@ -202,4 +205,139 @@ fn losses_of_an_export_are_notices() {
     let [wait, shapes] = &notices[..] else { panic!("{notices:?}") };
     assert!(wait.starts_with("motion 2: `io`: the program sets `A.B` before"), "{wait}");
     assert_eq!(shapes, "motion 4: `shapes`: Sunrise loads have no shapes: they are left out");
+}
+
+/// Sources of an application with the statements `run`, and of its group as Workbench generates it.
+fn sources(run: &str) -> (String, String) {
+    let group = "package com.kuka.generated.ioAccess;\n\
+        public class GripperIOGroup extends AbstractIOGroup {\n\
+        @Inject public GripperIOGroup(Controller controller) {\n\
+        super(controller, \"Gripper\");\n\
+        addDigitalOutput(\"Close\", IOTypes.BOOLEAN, 1);\n\
+        addDigitalOutput(\"Offset\", IOTypes.INTEGER, 8);\n\
+        addDigitalOutput(\"Count\", IOTypes.UNSIGNED_INTEGER, 32);\n\
+        addAnalogOutput(\"Force\", IOTypes.ANALOG, 16, -40.0, 40.0);\n\
+        addInput(\"Closed\", IOTypes.BOOLEAN, 1);\n}\n\
+        public void setClose(java.lang.Boolean value) {\n\
+        setDigitalOutput(\"Close\", value);\n}\n\
+        public void setOffset(java.lang.Integer value) {\n\
+        setDigitalOutput(\"Offset\", value);\n}\n\
+        public void setCount(java.lang.Long value) {\n\
+        setDigitalOutput(\"Count\", value);\n}\n\
+        public void setForce(double value) {\n\
+        setAnalogOutput(\"Force\", value);\n}\n\
+        public boolean getClosed() {\n\
+        return getBooleanIOValue(\"Closed\", false);\n}\n\
+        public void awaitClosed() {\n\
+        while (!getClosed()) { // iiwasim: 0.2 s\n\
+        ThreadUtil.milliSleep(10);\n}\n}\n}\n";
+    let java = format!(
+        "package application;\n\
+         import com.kuka.roboticsAPI.applicationModel.RoboticsAPIApplication;\n\
+         import com.kuka.roboticsAPI.deviceModel.LBR;\n\
+         import com.kuka.generated.ioAccess.GripperIOGroup;\n\
+         import static com.kuka.roboticsAPI.motionModel.BasicMotions.*;\n\
+         import javax.inject.Inject;\n\
+         public class Pick extends RoboticsAPIApplication {{\n\
+         @Inject private LBR lbr;\n@Inject private GripperIOGroup io;\n\
+         public void run() {{\n{run}\n}} }}\n"
+    );
+    (java, group.to_owned())
+}
+
+const GROUP: &str = "src/com/kuka/generated/ioAccess/GripperIOGroup.java";
+
+fn with_generated_class(run: &str) -> Project {
+    let (java, group) = sources(run);
+    Project::from_texts([("src/application/Pick.java", java), (GROUP, group)]).unwrap()
+}
+
+#[test]
+fn signals_have_the_line_of_the_application() {
+    let run = format!(
+        "{MOVE}\nio.setClose(true);\nwhile (!io.getClosed()) {{\nThread.sleep(10);\n}}\n\
+         io.awaitClosed();\nio.setForce(\n2);\nclose();\n}}\nvoid close() {{\nio.setClose(false);"
+    );
+    let project = with_generated_class(&run);
+    let import = import(&project, None, &ImportOptions::default()).unwrap();
+    let sources: Vec<String> =
+        import.program.sources.iter().map(|(_, source)| source.to_string()).collect();
+    let at = |line: u32| format!("src/application/Pick.java:{line}");
+    assert_eq!(sources, [11, 12, 13, 16, 17, 22].map(at));
+    let seconds: Vec<f64> = signals(&import).iter().map(IoEntry::seconds).collect();
+    assert_eq!(seconds, [0.0, 0.0, 0.2, 0.0, 0.0]);
+}
+
+/// Values keep their kinds: true or false, a whole number, a real number.
+#[test]
+fn values_keep_their_types() {
+    let run = format!(
+        "{MOVE}\nio.setClose(true);\nio.setOffset(7);\nio.setOffset(-7);\n\
+         io.setCount(3000000000L);\n\
+         io.setCount(5L);\nio.setForce(2);\nio.setForce(-2);\nio.setForce(0.25);"
+    );
+    let project = with_generated_class(&run);
+    let import = import(&project, None, &ImportOptions::default()).unwrap();
+    let program = Program::from_json(&import.program.to_json()).unwrap();
+    let java = exported(&program).unwrap().java;
+    for call in [
+        "setClose(true)",
+        "setOffset(7)",
+        "setOffset(-7)",
+        "setCount(3000000000L)",
+        "setCount(5L)",
+        "setForce(2.0)",
+        "setForce(-2)",
+        "setForce(0.25)",
+    ] {
+        assert!(java.contains(&format!("ioGripper.{call};")), "{call}: {java}");
+    }
+    // `setForce(double)` also accepts the -2. The values of the round trip are the same.
+    let files = [("src/application/Pick.java", java), (GROUP, sources(&run).1)];
+    let again = Project::from_texts(files).unwrap();
+    let again = iiwa_sunrise::import(&again, None, &ImportOptions::default()).unwrap();
+    assert_eq!(again.program.motions, program.motions);
+}
+
+#[test]
+fn names_comments_and_groups_come_back() {
+    let mut program = program(&[
+        r#"{ "type": "load", "load": { "mass_kg": 1 }, "name": "before the first motion" }"#,
+        &PTP.replace(
+            " }",
+            r#", "blocking": true, "name": "over \\ \"part\"",
+            "comment": "20 mm above\n\n  C:\\users */", "group": "pick" }"#,
+        ),
+        r#"{ "type": "wait", "seconds": 0.5, "name": "settle" }"#,
+        r#"{ "type": "load", "load": { "mass_kg": 3 }, "name": "part gripped", "group": "pick" }"#,
+        r#"{ "type": "set", "io": "Gripper.Close", "value": true, "name": "close" }"#,
+        r#"{ "type": "wait_for", "io": "Gripper.Closed", "value": true, "seconds": 0.35,
+            "name": "closed", "comment": "the plant's contact" }"#,
+        &BACK.replace(" }", r#", "blocking": true }"#),
+        r#"{ "type": "load", "load": { "mass_kg": 1 }, "name": "part released" }"#,
+        &PTP.replace(" }", r#", "blocking": true, "comment": "and again" }"#),
+    ]);
+    let (again, java) = round_trip(&program);
+    // The first load is the load of the tool.
+    program.motions.remove(0);
+    let labels: Vec<_> = program.sources.labels().map(|(_, label)| label.clone()).skip(1).collect();
+    let found: Vec<_> = again.sources.labels().map(|(_, label)| label.clone()).collect();
+    assert_eq!(found, labels, "{java}");
+    assert_eq!(again.motions.len(), program.motions.len(), "{java}");
+    for (motion, label) in again.sources.labels() {
+        assert_eq!(program.sources.label(MotionIndex::new(motion.index() + 1)), Some(label));
+    }
+}
+
+/// Comments of programmers are not names.
+#[test]
+fn only_comments_of_the_export_are_labels() {
+    let import = imported(&format!(
+        "// approach\n{MOVE}\n// iiwasim name: back\n// by hand\n{MOVE_BACK}\n\
+         // iiwasim name:\n{MOVE}\n// iiwasim name: there\n{MOVE}"
+    ));
+    let labels: Vec<_> = import.program.sources.labels().collect();
+    assert_eq!(labels, [(MotionIndex::new(3), &MotionLabel::named("there"))]);
+    let notes: Vec<_> = import.notes.iter().map(|note| note.text.as_str()).collect();
+    assert_eq!(notes, ["the comment lines before this line are ignored: `name` is empty"]);
 }

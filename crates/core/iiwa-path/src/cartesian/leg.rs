@@ -74,7 +74,7 @@ fn leg(
         }
         Course::LinRel { offset, e1_rad, within } => {
             let axes = match within {
-                Some(within) => site.frame("in", within)?.1.rotation,
+                Some(within) => site.reference("in", within)?.rotation,
                 None => from.rotation,
             };
             let to = moved_by(&from, &offset.pose(), &axes);

@@ -52,6 +52,12 @@ impl<'a> Site<'a> {
         frame.map_err(|fault| (key, CartesianFault::Name(fault)))
     }
 
+    /// Returns the pose in the robot base of a frame or a base under a key of the motion.
+    pub(crate) fn reference(&self, key: &'static str, target: &TargetRef) -> SiteResult<Pose> {
+        let pose = self.program.workcell.reference(target, self.base);
+        pose.map_err(|fault| (key, CartesianFault::Name(fault)))
+    }
+
     /// Builds a circle from one pose to another.
     pub(crate) fn circle(
         &self,
@@ -124,8 +130,11 @@ impl Site<'_> {
         e1_rad: f64,
         status: Status,
     ) -> Result<WristTurn, CartesianFault> {
-        let to_rad = self.robot.inverse(&to.then(&self.tcp.inverse()), e1_rad, status)?;
-        self.robot.limits().check(&to_rad).map_err(CartesianFault::Outside)?;
+        let flange = to.then(&self.tcp.inverse());
+        let to_rad = self.robot.inverse(&flange, e1_rad, status)?;
+        self.robot.limits().check(&to_rad).map_err(|outside| {
+            CartesianFault::outside(self.robot, &flange, e1_rad, status, outside)
+        })?;
         let [point, at_end] = [from_rad, &to_rad]
             .map(|joints| FlangePoint::new(self.robot, self.tcp.position_m, joints));
         // `FlangePoint` contains signs of the inverse kinematics, which the path cannot change.

@@ -122,7 +122,7 @@ path_wire! {
         /// Offset of the TCP.
         #[serde(deserialize_with = "object")]
         offset: PoseWire,
-        /// Frame in whose orientation the offset is given: `tcp`, or a frame.
+        /// Frame in whose orientation the offset is given: `tcp`, a frame, or the name of a base.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         r#in: Option<TargetRefWire>,
         /// Position of joint A3 at the end, in degrees; as at the start by default.

@@ -1,6 +1,6 @@
 //! Errors of program texts.
 
-use iiwa_json::{JsonPlace, Unread, element_at, excerpt, problem};
+use iiwa_json::{JsonPlace, Unread, element_at, excerpt, problem, repeated_key};
 
 use crate::{fault::Fault, motion_index::MotionIndex, source::Sources};
 
@@ -137,7 +137,7 @@ pub(super) fn json_error(
     motion: Option<MotionIndex>,
     error: &serde_json::Error,
 ) -> ProgramError {
-    let place = JsonPlace::of_error(text, part, error);
+    let mut place = JsonPlace::of_error(text, part, error);
     // A JSON syntax error is found before the text is split into motions. In or after a repeat
     // block, the motion number is unknown.
     let before = &text[..place.span.start];
@@ -152,6 +152,15 @@ pub(super) fn json_error(
         message if message.starts_with("unknown key `mass") && message.contains("`load`") => {
             let (unknown, _) = message.split_once(", ").unwrap_or((&message, ""));
             format!("{unknown}; did you mean `load.mass_kg`?")
+        }
+        message if message.ends_with(" appears twice") => {
+            match repeated_key(text, place.span.start) {
+                Some([first, second]) => {
+                    place = second;
+                    format!("{message}, first at {first}")
+                }
+                None => message,
+            }
         }
         message => message,
     };

@@ -85,13 +85,13 @@ fn frame_of(
     needs_all: bool,
 ) -> Result<Frame, String> {
     let mut frame = Frame::default();
+    let mut missing = Vec::new();
     for i in 0..3 {
-        let length = ["x", "y", "z"][i];
-        frame.xyz_mm[i] = match xyz_mm[i] {
-            Some(value) => value,
-            None if needs_all => return Err(format!("`{length}_mm` is missing")),
-            None => 0.0,
-        };
+        let length = ["x_mm", "y_mm", "z_mm"][i];
+        frame.xyz_mm[i] = xyz_mm[i].unwrap_or_else(|| {
+            missing.push(length);
+            0.0
+        });
     }
     for i in 0..3 {
         let angle = ["a", "b", "c"][i];
@@ -101,11 +101,24 @@ fn frame_of(
             }
             (Some(deg), None) => deg.to_radians(),
             (None, Some(rad)) => rad,
-            (None, None) if needs_all => return Err(format!("`{angle}_deg` is missing")),
-            (None, None) => 0.0,
+            (None, None) => {
+                missing.push(["a_deg", "b_deg", "c_deg"][i]);
+                0.0
+            }
         };
     }
-    Ok(frame)
+    if needs_all && !missing.is_empty() { Err(missing_keys(&missing)) } else { Ok(frame) }
+}
+
+/// Message about missing keys, at least one.
+fn missing_keys(keys: &[&str]) -> String {
+    let quoted: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();
+    match quoted.as_slice() {
+        [all @ .., last] if !all.is_empty() => {
+            format!("{} and {last} are missing", all.join(", "))
+        }
+        keys => format!("{} is missing", keys.concat()),
+    }
 }
 
 pose_wire! {

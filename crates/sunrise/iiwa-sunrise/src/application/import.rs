@@ -8,7 +8,7 @@ use crate::{
 };
 use iiwa_java::{ClassId, Classes, EvaluationStop, JavaRefusal, Machine, Note, SourceLine};
 use iiwa_kin::{Joints, Robot};
-use iiwa_program::{Motion, Program, Source};
+use iiwa_program::{Motion, MotionIndex, MotionLabel, Program, Source};
 
 use crate::application::{
     applications::Application,
@@ -165,6 +165,7 @@ fn import_here(
         questions.push(application.question(QuestionKind::Start, "start", answer, false));
     }
     let program = with_sources(program, &places);
+    let program = with_labels(program, &places, project, &mut notes);
     match run.end {
         Ok(()) if program.motions.iter().any(Motion::moves) => {
             Ok(Import { application, robot, statements, program, notes, questions })
@@ -364,8 +365,37 @@ fn no_application(project: &Project) -> ImportError {
 }
 
 fn with_sources(program: Program, places: &[SourceLine]) -> Program {
-    let sources = (0..).map(iiwa_program::MotionIndex::new).zip(places.iter().map(source));
+    let sources = (0..).map(MotionIndex::new).zip(places.iter().map(source));
     Program { sources: sources.collect(), ..program }
+}
+
+/// Adds the names, comments and groups that comments of the sources state. A text that a program
+/// cannot have gets a note.
+fn with_labels(
+    mut program: Program,
+    places: &[SourceLine],
+    project: &Project,
+    notes: &mut Vec<ImportNote>,
+) -> Program {
+    let labels: BTreeMap<(&str, u32), &MotionLabel> = project
+        .files()
+        .iter()
+        .flat_map(|file| file.labels().iter().map(|(line, label)| ((file.path(), *line), label)))
+        .collect();
+    for (motion, place) in (0..).map(MotionIndex::new).zip(places) {
+        let Some(label) = labels.get(&(&*place.file, place.line)) else { continue };
+        match label.fault() {
+            None => program.sources.insert_label(motion, (*label).clone()),
+            Some((_, message)) => {
+                let text = format!("the comment lines before this line are ignored: {message}");
+                let note = ImportNote { text, source: source(place) };
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
+            }
+        }
+    }
+    program
 }
 
 fn source(place: &SourceLine) -> Source {

@@ -55,7 +55,9 @@ impl Robotics<'_> {
                  {MAX_OVERLAP}"
             ));
         }
-        self.station.schedule.io(entry, self.place.clone());
+        // The statement of the application, not that of the generated class of the group.
+        let place = self.place_outside("AbstractIOGroup");
+        self.station.schedule.io(entry, place);
         Ok(())
     }
 

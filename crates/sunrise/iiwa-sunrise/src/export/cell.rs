@@ -124,6 +124,23 @@ impl<'p> WorldTree<'p> {
         index
     }
 
+    /// Returns the path of the frame or base in whose orientation an offset is given; `None` for
+    /// the robot base.
+    pub(super) fn reference_path(
+        &mut self,
+        target: &TargetRef,
+        base: Option<&str>,
+        name: &str,
+    ) -> Result<Option<String>, NameFault> {
+        self.workcell.reference(target, base)?;
+        match target {
+            TargetRef::Named(known) if !self.targets.contains_key(known.as_str()) => {
+                Ok(self.bases.get(known.as_str()).map(|index| self.path_of(Some(*index))))
+            }
+            target => self.path(target, base, name).map(Some),
+        }
+    }
+
     /// Returns the path of a frame, such as `/Table/P1`. A target that is given inline becomes a
     /// frame of the project called `name`, unless an equal one exists.
     pub(super) fn path(

@@ -10,6 +10,8 @@ use iiwa_program::{
     Blend, IoEntry, IoKind, MAX_ERRORS, Motion, MotionIndex, MotionLabel, Program, RepeatBlock,
 };
 
+use crate::label_comment::label_lines;
+
 use super::{
     awaited_motions::{AwaitedMotions, SleepCall},
     cell::WorldTree,
@@ -19,7 +21,7 @@ use super::{
     literal::comment,
     loads::{AtFlange, AttachedTools},
     loops::{ExportedStatement, UnrolledProgram},
-    signals::ExportedSignal,
+    signals::{ExportedSignal, long_signals},
     tools::ExportedTools,
 };
 
@@ -68,6 +70,8 @@ struct StatementWriter<'a, 'p> {
     notices: &'a mut Vec<ExportNotice>,
     attached: &'a AttachedTools<'p>,
     awaited: &'a AwaitedMotions,
+    /// Signals with numbers beyond Java's `int`.
+    long_signals: BTreeSet<&'p str>,
     /// Attached tools. A load change before the first motion is valid for the whole program.
     at_flange: &'a [AtFlange<'p>],
     before: Option<MotionBefore>,
@@ -81,15 +85,15 @@ impl<'p> StatementWriter<'_, 'p> {
         entry: &'p Motion,
         label: Option<&MotionLabel>,
     ) -> Result<(), ExportError> {
-        let Self { class, tree, tools, notices, attached, awaited, at_flange, before } = self;
+        let Self { class, tree, tools, notices, attached, awaited, at_flange, before, .. } = self;
         let index = motion.index();
         let now = attached.at(index);
         if matches!(entry, Motion::Load(_)) {
             // The attached tools state the load.
             class.come_into_step();
             class.starts.push(class.run.len());
-            class.comment(label);
         }
+        let before_swap = class.run.len();
         if *now != **at_flange {
             if let Some(MotionBefore { motion, is_blended: true, .. }) = before {
                 return Err(another_tool(*motion));
@@ -105,7 +109,7 @@ impl<'p> StatementWriter<'_, 'p> {
                     class.come_into_step();
                 }
                 class.starts.push(class.run.len());
-                class.comment(label);
+                class.label(label);
                 class.wait(motion, *seconds, notices);
             }
             Motion::Io(io) => {
@@ -113,10 +117,12 @@ impl<'p> StatementWriter<'_, 'p> {
                     class.come_into_step();
                 }
                 class.starts.push(class.run.len());
-                class.comment(label);
-                class.signal(motion, io)?;
+                class.label(label);
+                class.signal(motion, io, &self.long_signals)?;
             }
-            Motion::Load(_) => {}
+            Motion::Load(_) if class.run.len() == before_swap => class.comment(label),
+            // The import sees the load change at the last statement.
+            Motion::Load(_) => class.label_at(class.run.len() - 1, label),
             Motion::Ptp(_) | Motion::Cartesian(_) => {
                 if awaited.is_in_step(index) {
                     class.come_into_step();
@@ -137,7 +143,7 @@ impl<'p> StatementWriter<'_, 'p> {
                 };
                 let is_async = awaited.is_asynchronous(index);
                 let method = if is_async { "moveAsync" } else { "move" };
-                class.comment(label);
+                class.label(label);
                 class.under_way = (is_async && !blends).then_some(class.run.len());
                 class.run.push(written.statement(&format!("{point}.{method}("), INDENT));
                 *before = Some(MotionBefore { motion, point, is_blended: blends });
@@ -189,6 +195,7 @@ impl ExportedClass {
             notices,
             attached: &attached,
             awaited: &awaited,
+            long_signals: long_signals(program),
             at_flange: &[],
             before: None,
         };
@@ -238,7 +245,21 @@ impl ExportedClass {
         self.awaits = true;
     }
 
-    /// Adds name and comment of a motion as comment lines before the next statement.
+    /// Adds the label of a motion as comment lines before the next statement.
+    fn label(&mut self, label: Option<&MotionLabel>) {
+        self.label_at(self.run.len(), label);
+    }
+
+    /// Adds the label of a motion as comment lines before a statement.
+    fn label_at(&mut self, statement: usize, label: Option<&MotionLabel>) {
+        for line in label.map(label_lines).unwrap_or_default() {
+            let text = self.comments.entry(statement).or_default();
+            let _ = writeln!(text, "{:INDENT$}{line}", "");
+        }
+    }
+
+    /// Adds name and comment of a load change without a statement, as comment lines that belong to
+    /// no motion.
     fn comment(&mut self, label: Option<&MotionLabel>) {
         let Some(MotionLabel { name, comment: remark, .. }) = label else { return };
         let lines = remark.as_deref().unwrap_or_default().lines();
@@ -299,9 +320,14 @@ impl ExportedClass {
         self.run.push(format!("{:INDENT$}{statement}", ""));
     }
 
-    fn signal(&mut self, motion: MotionIndex, entry: &IoEntry) -> Result<(), ExportError> {
+    fn signal(
+        &mut self,
+        motion: MotionIndex,
+        entry: &IoEntry,
+        long_signals: &BTreeSet<&str>,
+    ) -> Result<(), ExportError> {
         let signal = ExportedSignal::new(motion, entry)?;
-        self.run.push(signal.statement(motion, entry, INDENT)?);
+        self.run.push(signal.statement(motion, entry, long_signals, INDENT)?);
         self.imports.generated(signal.import());
         if let IoKind::WaitFor { .. } = entry.kind {
             self.imports.class("com.kuka.common.ThreadUtil");

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use iiwa_program::{
     AuxOrientation, ByKind, CartesianMotion, Circ, Course, Frame, LimitKind, MotionIndex,
-    OrientationType, PathBlend, Ptp, SegmentCourse, SplineSegment, TargetRef, ToolLimits,
+    NameFault, OrientationType, PathBlend, Ptp, SegmentCourse, SplineSegment, TargetRef,
+    ToolLimits,
 };
 
 use super::{
@@ -142,12 +143,13 @@ impl MotionWriter<'_, '_> {
         target: &TargetRef,
         name: &str,
     ) -> Result<String, ExportError> {
-        let path = self.tree.path(target, self.base, name).map_err(|fault| ExportError::Name {
-            motion: Some(self.motion),
-            key,
-            fault,
-        })?;
+        let path = self.tree.path(target, self.base, name);
+        let path = path.map_err(|fault| self.name_error(key, fault))?;
         Ok(format!("getApplicationData().getFrame({})", text(&path)))
+    }
+
+    fn name_error(&self, key: &'static str, fault: NameFault) -> ExportError {
+        ExportError::Name { motion: Some(self.motion), key, fault }
     }
 
     fn going(&mut self, method: &'static str, to: &TargetRef, name: &str) -> WrittenMotion {
@@ -167,7 +169,15 @@ impl MotionWriter<'_, '_> {
         };
         if let Some(within) = within {
             let name = format!("P{}_in", self.motion);
-            arguments = format!("{arguments}, {}", self.frame("in", within, &name)?);
+            let path = self.tree.reference_path(within, self.base, &name);
+            let path = path.map_err(|fault| self.name_error("in", fault))?;
+            let frame = if let Some(path) = path {
+                format!("getApplicationData().getFrame({})", text(&path))
+            } else {
+                self.imports.class("com.kuka.roboticsAPI.geometricModel.World");
+                "World.Current.getRootFrame()".to_owned()
+            };
+            arguments = format!("{arguments}, {frame}");
         }
         Ok(MotionCall::new(format!("linRel({arguments})")))
     }

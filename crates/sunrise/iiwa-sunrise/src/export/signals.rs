@@ -1,6 +1,8 @@
 //! Inputs and outputs of an exported class: `Group.Signal` is a signal of the class `GroupIOGroup`
 //! that Sunrise Workbench generates for a group.
 
+use std::collections::BTreeSet;
+
 use iiwa_program::{IoEntry, IoKind, IoValue, MotionIndex, Program};
 
 use super::{error::ExportError, identifier::is_name_part, literal::number};
@@ -23,6 +25,32 @@ fn field_of(group: &str) -> String {
 pub(super) fn fields(program: &Program) -> impl Iterator<Item = String> {
     let groups = program.motions.iter().filter_map(|entry| Some(entry.io()?.io.split_once('.')?.0));
     groups.map(field_of)
+}
+
+/// Whole number of a value. Negative whole numbers are included: programs do not distinguish whole
+/// numbers from real ones among them, and Java converts whole numbers to real ones.
+fn whole(value: IoValue) -> Option<i64> {
+    match value {
+        IoValue::Boolean(_) => None,
+        IoValue::Digital(value) => i64::try_from(value).ok(),
+        #[expect(clippy::cast_possible_truncation, reason = "the number is whole and small enough")]
+        IoValue::Analog(value) => {
+            let is_whole = value.fract() == 0.0 && (-MAX_EXACT..0.0).contains(&value);
+            is_whole.then_some(value as i64)
+        }
+    }
+}
+
+/// Whole numbers up to here are exact as floating-point numbers: 2^53.
+const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// Signals of a program that have a value beyond Java's `int`: all of their whole numbers are
+/// `long`, because Java does not convert an `int` to the `Long` of such a signal's setter.
+pub(super) fn long_signals(program: &Program) -> BTreeSet<&str> {
+    let is_long =
+        |entry: &&IoEntry| whole(entry.value).is_some_and(|value| i32::try_from(value).is_err());
+    let entries = program.motions.iter().filter_map(|entry| entry.io());
+    entries.filter(is_long).map(|entry| entry.io.as_str()).collect()
 }
 
 impl<'p> ExportedSignal<'p> {
@@ -61,6 +89,7 @@ impl<'p> ExportedSignal<'p> {
         &self,
         motion: MotionIndex,
         entry: &IoEntry,
+        long_signals: &BTreeSet<&str>,
         indent: usize,
     ) -> Result<String, ExportError> {
         let (field, signal) = (self.field(), self.signal);
@@ -68,13 +97,17 @@ impl<'p> ExportedSignal<'p> {
         match (entry.kind, entry.value) {
             (IoKind::Set, value) => {
                 let value = match value {
-                    IoValue::Boolean(value) => value.to_string(),
-                    IoValue::Digital(value) => match i64::try_from(value) {
-                        Ok(value) if i32::try_from(value).is_ok() => value.to_string(),
-                        Ok(value) => format!("{value}L"),
-                        Err(_) => return Err(fault("Java's whole numbers end at 2^63 - 1")),
+                    IoValue::Digital(value) if i64::try_from(value).is_err() => {
+                        return Err(fault("Java's whole numbers end at 2^63 - 1"));
+                    }
+                    value => match (whole(value), value) {
+                        (Some(value), _) if long_signals.contains(&*entry.io) => {
+                            format!("{value}L")
+                        }
+                        (Some(value), _) => value.to_string(),
+                        (None, IoValue::Analog(value)) => number(value),
+                        (None, value) => value.to_string(),
                     },
-                    IoValue::Analog(value) => number(value),
                 };
                 Ok(format!("{:indent$}{field}.set{signal}({value});", ""))
             }
