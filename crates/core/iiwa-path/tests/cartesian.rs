@@ -120,7 +120,7 @@ fn invalid_motions_are_refused_with_their_place() {
         ),
         ("/motions/1/orientation_velocity_deg_s", json!(-90), vec!["is -90"]),
         ("/frames/pick/a_rad", json!(1), vec!["`pick`", "either `a_deg` or `a_rad`"]),
-        ("/tools/gripper/load/mass_kg", json!(-1), vec!["`gripper`", "mass_kg"]),
+        ("/tools/gripper/load/mass_kg", json!(-1), vec!["`gripper`", "its mass must be 0 to"]),
     ];
     for (pointer, value, words) in cases {
         let mut program = good();
