@@ -1,7 +1,7 @@
 //! Program and its plan.
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_plan::{Error, Plan, PlanFigures, PlanOptions, PlanRequest, ProgramSource};
+use iiwa_plan::{Error, Plan, PlanOptions, PlanRequest, ProgramSource};
 use iiwa_program::Fault;
 use iiwa_traj::{JerkOptions, PlanError, State, SweepOptions, Timing, Trajectory};
 use serde::{Deserialize, Serialize};
