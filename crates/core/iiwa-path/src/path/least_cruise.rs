@@ -40,8 +40,8 @@ impl JointPath {
             let limits = self.limits_of(i);
             let [way_m, ..] = segment.tool_way(0.0).way_m;
             let speed = way_m / seconds;
-            // A limit that cannot become active is left out, so that the path can be shared. A limit
-            // equal to the program's can become active.
+            // A limit that cannot become active is left out, so that the path can be shared. One
+            // that equals the program's can become active.
             let least = speed * (1.0 - ROUNDING);
             if !segment.has_even_tool_way() || top_speed(segment.as_ref(), limits) < least {
                 continue;
