@@ -19,8 +19,8 @@ use super::{LogReading, log_reading::COMMANDED_PREFERRED, values::override_perce
 ///
 /// kappa is a number that describes the shape of a blend. It is identified from the path alone,
 /// regardless of time: in joint space for blends between PTP motions (`blend_kappa` in the
-/// profile), and from the TCP path for blends between LIN motions (`tcp_blend_kappa`). From
-/// measured torques, payload and friction are identified.
+/// profile), and from the TCP path for blends between LIN motions (`tcp_blend_kappa`). Payload and
+/// friction are identified from measured torques.
 ///
 /// The recorded orientation and redundancy angle (E1) on TCP paths, and blends between PTP motions
 /// and TCP paths, are compared with iiwasim's assumptions. This comparison is useful only if the

@@ -13,10 +13,10 @@ use super::Answering;
 /// if the project does not state them, `lbr_iiwa_7_r800` and 152 mm are assumed. Where the
 /// application depends on something that the project does not contain (a dialog, an input, process
 /// data, the robot), the import asks a question, which you answer by an option, such as --robot or
-/// --flange-mm, or by an answers file. The output lists each question with its answer, given or
-/// assumed, or as open. An application is rejected, with file, line and reason, if its motions
-/// depend on other values that are known only at run time, such as measured positions. If the
-/// project has several applications, they are listed with their open questions.
+/// --flange-mm, or by an answers file. The output lists each question, and states whether its
+/// answer is given, assumed or still open. An application is rejected, with file, line and reason,
+/// if its motions depend on other values that are known only at run time, such as measured
+/// positions. If the project has several applications, they are listed with their open questions.
 ///
 /// With --frames, or if PROJECT has no Java code or is a RoboticsAPI.data.xml file, frames and
 /// tools are written to a file that programs can include. Parent frames become bases, other frames

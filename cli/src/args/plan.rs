@@ -17,8 +17,9 @@ const METHOD: &str =
     "Methods of calculation (equation numbers: Larsen 2019, see docs/equations.md)";
 
 /// Help of `--urdf`: a plan has no page.
-const URDF: &str = "URDF whose meshes (STL, OBJ or Collada), as convex hulls, replace the simple \
-    shapes of the arm in clearances; needs --scene. Its joints must match the robot's";
+const URDF: &str = "URDF with meshes (STL, OBJ or Collada): clearances are computed with their \
+    convex hulls instead of the simple shapes of the arm; needs --scene. Its joints must match the \
+    robot's";
 
 /// Plan motion programs: print their cycle times, write their trajectories as MCAP.
 ///
@@ -40,11 +41,10 @@ const URDF: &str = "URDF whose meshes (STL, OBJ or Collada), as convex hulls, re
 /// for all programs in the folder, sorted by name: its *.json files except hidden files, robot
 /// profiles, scenes, files of frames and JSON Schemas. A note names each file that is left out,
 /// except hidden files. The table then has one row per program: cycle time, time in motion, time at
-/// rest (settling and waiting), and the main limit. For the main limit, the whole duration of each
-/// motion is assigned to one limit: the limit that is active longest in it or, if none is active,
-/// the limit that it approaches most closely. The main limit is the one with the largest sum. A
-/// failed program is reported on standard error and does not stop the others; the exit code is then
-/// 3.
+/// rest (settling and waiting), and the main limit. The main limit accounts for most of the time:
+/// each motion counts, with its whole duration, for the limit that is active longest in it or, if
+/// none is active, for the limit that it approaches most closely. A failed program is reported on
+/// standard error and does not stop the others; the exit code is then 3.
 ///
 /// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, with the
 /// options of `iiwasim import`.

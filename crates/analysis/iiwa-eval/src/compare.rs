@@ -263,9 +263,10 @@ fn report_gaps(
     }
 }
 
-/// Checks an edge, the instant at which the arm leaves a stop or arrives at one, if the recording
-/// shows no rest there: the sample 0.1 s before the start (or after the end) must be close to the
-/// plan's start (or end). A recording that is cut to the motion does not contain this sample.
+/// Checks an edge at which the recording shows no rest (an edge is the instant at which the arm
+/// leaves a stop or arrives at one). The sample 0.1 s before the start, or after the end, must be
+/// close to the plan's start or end. A recording that is cut to the motion does not contain this
+/// sample.
 fn check_rest(
     plan: &PlannedTrajectory,
     log: &JointLog,

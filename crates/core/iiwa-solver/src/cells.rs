@@ -14,7 +14,7 @@
 //!
 //! Each limit becomes a row, which is divided by the value of the limit, so that its bound is 1.
 //! Jerk is sqrt(x) times a linear function of the state; its row is this function, with the bound
-//! `x^(-1/2)`. A row has a slack s and a dual z on either side.
+//! `x^(-1/2)`. A row has a lower and an upper bound, each with a slack s and a dual z.
 
 use std::ops::Range;
 

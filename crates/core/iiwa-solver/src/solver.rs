@@ -337,9 +337,9 @@ impl Solver {
         moving + rests.sum::<f64>()
     }
 
-    /// V over x at the start of the first cell, given by the cell from rest before it, in which x
-    /// is proportional to sigma^(4/3). `None` if the window does not contain the first cell, or the
-    /// section does not start at rest.
+    /// The ratio V / x at the start of the first cell. It follows from the cell before, which
+    /// starts at rest and in which x is proportional to sigma^(4/3). `None` if the window does not
+    /// contain the first cell, or the section does not start at rest.
     fn slope_from_rest(&self) -> Option<f64> {
         let from = self.rests.from.as_ref().filter(|_| self.window.start == 0);
         from.map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
@@ -513,9 +513,9 @@ impl Solver {
     }
 }
 
-/// Lowers `x` at nodes where constant speed alone would exceed the jerk limit, and at nearby nodes
-/// to the values that are reachable from them. Otherwise the method would not converge from a start
-/// that exceeds a jerk limit many times over.
+/// Lowers `x` at nodes where the path at constant speed would already exceed the jerk limit. Nearby
+/// nodes are lowered as well, to values that can be reached from these nodes. Otherwise the method
+/// would not converge from a start that exceeds a jerk limit many times over.
 fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
     let mut lowered = false;
     for (k, (cell, geometry)) in std::iter::zip(&mesh.cells, &mesh.geometry).enumerate() {

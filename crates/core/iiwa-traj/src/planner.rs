@@ -43,9 +43,9 @@ const PLANS_DIFFER_S: f64 = 0.02;
 /// because a wait that overlaps the motion before the blend can delay the next motion.
 enum Decided {
     /// The program sends the next motion in time for the blend into it. `needed_s` is the latest
-    /// time in s at which the program may send the motion. Where this time was not necessary,
-    /// `needed_s` is a lower bound: the largest `needed_s` of the earlier blends (a later blend
-    /// never needs its motion earlier), or negative infinity.
+    /// time in s at which the program may send the motion. If the decision was possible without
+    /// computing this time, `needed_s` is a lower bound of it: the largest `needed_s` of the
+    /// earlier blends (a later blend never needs its motion earlier), or negative infinity.
     InTime { needed_s: f64 },
     /// The program sends the next motion too late. Contains the section that stops before the
     /// blend.
@@ -129,9 +129,9 @@ impl Planner {
     }
 
     /// Applies Sunrise's limits to the path. The speed of a LIN or CIRC motion from rest to rest is
-    /// at most its length over `least_cruise_s`, as in recordings: even a very short motion would
-    /// take `least_cruise_s` at constant speed. In T1, the function also stores the path without
-    /// the T1 speed limit, in `unsupervised`.
+    /// limited to its length divided by `least_cruise_s`, as in recordings. At constant speed, even
+    /// a very short motion therefore takes at least `least_cruise_s`. In T1, the function also
+    /// stores the path without the T1 speed limit, in `unsupervised`.
     fn limit_as_sunrise(&mut self) {
         self.unsupervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
@@ -476,8 +476,8 @@ impl Planner {
         known_s: f64,
         section: &Section,
     ) -> Result<Decided, TimingError> {
-        // In these cases the latest time is not computed; negative infinity is used as its lower
-        // bound.
+        // Result of the two early returns below: they do not compute the latest time for sending
+        // the motion, so that its lower bound is negative infinity.
         let in_time = Decided::InTime { needed_s: f64::NEG_INFINITY };
         let Some(piece) = section.pieces.iter().position(|piece| piece.step == blend) else {
             return Ok(in_time);

@@ -66,9 +66,9 @@ use crate::drive::{
 
 /// A running drive.
 ///
-/// Dropping the drive shuts it down: a trajectory, whose set-points are sent over FRI, slows down
-/// on its path to a stop; motions that the controller executes continue; a run that has not begun
-/// is withdrawn.
+/// Dropping the drive shuts it down: a trajectory, whose set-points are sent over FRI, brakes to a
+/// stop without leaving its path; motions that the controller executes continue; a run that has not
+/// begun is withdrawn.
 ///
 /// ```
 /// use iiwa_drive::{Drive, DriveConfig};
