@@ -14,9 +14,10 @@ use super::Answering;
 /// application depends on something that the project does not contain (a dialog, an input, process
 /// data, the robot), the import asks a question, which you answer by an option, such as --robot or
 /// --flange-mm, or by an answers file. The output lists each question, and states whether its
-/// answer is given, assumed or still open. An application is rejected, with file, line and reason,
-/// if its motions depend on other values that are known only at run time, such as measured
-/// positions. If the project has several applications, they are listed with their open questions.
+/// answer is given, assumed or still open. If motions depend on values for which the import cannot
+/// ask, because they are known only at run time (measured positions, for instance), the application
+/// is rejected, with file, line and reason. If the project has several applications, they are
+/// listed with their open questions.
 ///
 /// With --frames, or if PROJECT has no Java code or is a RoboticsAPI.data.xml file, frames and
 /// tools are written to a file that programs can include. Parent frames become bases, other frames

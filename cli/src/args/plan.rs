@@ -38,13 +38,13 @@ const URDF: &str = "URDF with meshes (STL, OBJ or Collada): clearances are compu
 /// link frames, the flange pose, the whole trajectory, the robot's URDF and the program.
 ///
 /// Many programs are planned on all cores: `iiwasim plan A.json B.json`, or `iiwasim plan FOLDER`
-/// for all programs in the folder, sorted by name: its *.json files except hidden files, robot
-/// profiles, scenes, files of frames and JSON Schemas. A note names each file that is left out,
-/// except hidden files. The table then has one row per program: cycle time, time in motion, time at
-/// rest (settling and waiting), and the main limit. The main limit accounts for most of the time:
-/// each motion counts, with its whole duration, for the limit that is active longest in it or, if
-/// none is active, for the limit that it approaches most closely. A failed program is reported on
-/// standard error and does not stop the others; the exit code is then 3.
+/// for all programs in the folder, sorted by name. Programs are its *.json files, except hidden
+/// files, robot profiles, scenes, files of frames and JSON Schemas. A note names each file that is
+/// left out, except hidden files. The table then has one row per program: cycle time, time in
+/// motion, time at rest (settling and waiting), and the main limit. The main limit accounts for
+/// most of the time: each motion counts, with its whole duration, for the limit that is active
+/// longest in it or, if none is active, for the limit that it approaches most closely. A failed
+/// program is reported on standard error and does not stop the others; the exit code is then 3.
 ///
 /// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, with the
 /// options of `iiwasim import`.
@@ -189,8 +189,8 @@ pub(crate) enum Timing {
     Jerk,
     /// As recorded on a real robot. PTP motions between two stops have the speed profile that was
     /// fitted to recordings; splines between two stops have a fitted speed that can exceed
-    /// acceleration and jerk limits. All other motions are planned as with `jerk`, with the same
-    /// soft starts and stops (an assumption: such motions have not been recorded)
+    /// acceleration and jerk limits. All other motions are planned as with `jerk`, but start and
+    /// stop as softly as recorded motions (an assumption: such motions have not been recorded)
     Sunrise,
 }
 

@@ -257,8 +257,8 @@ fn report_gaps(
             places => format!("{places} places"),
         };
         losses.push(format!(
-            "some {missing} samples of the motion are missing in {places}, most of them for \
-             {gap_s:.3} s from {from_s:.3} s on: the path there is not compared"
+            "about {missing} samples of the motion are missing in {places}; the longest gap lasts \
+             {gap_s:.3} s and begins at {from_s:.3} s. The path in gaps is not compared"
         ));
     }
 }
@@ -266,7 +266,7 @@ fn report_gaps(
 /// Checks an edge at which the recording shows no rest (an edge is the instant at which the arm
 /// leaves a stop or arrives at one). The sample 0.1 s before the start, or after the end, must be
 /// close to the plan's start or end. A recording that is cut to the motion does not contain this
-/// sample.
+/// sample, and passes.
 fn check_rest(
     plan: &PlannedTrajectory,
     log: &JointLog,
@@ -352,8 +352,8 @@ impl PassingTimes {
             if !edge.stands {
                 check_rest(plan, log, edge, name)?;
                 losses.push(format!(
-                    "the recording does not show the arm at rest at the {name} of the motion: it \
-                     is assumed to be at rest where the plan is"
+                    "the recording does not show the arm at rest at the {name} of the motion: the \
+                     arm is assumed to rest at the plan's {name}"
                 ));
             }
         }

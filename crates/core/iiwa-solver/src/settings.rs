@@ -99,8 +99,8 @@ pub(crate) struct InteriorPointSettings {
     pub(crate) closer: f64,
     /// Maximum number of steps.
     pub(crate) steps: usize,
-    /// Number of steps after which steps are halved: where the curvature only bounds the true one,
-    /// they may cycle.
+    /// Number of steps after which steps are halved: they may cycle where the Lagrangian's
+    /// curvature is negative, because the model of a step contains its magnitude.
     pub(crate) patience: usize,
     /// Step length below which a step counts as stalled, and the maximum number of such steps in a
     /// row.

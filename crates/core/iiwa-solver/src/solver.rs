@@ -198,8 +198,8 @@ impl Solver {
         self.restart(SETTINGS.cold);
     }
 
-    /// Sets the states to a quadratic B-spline close to `x`, which has one value per node of the
-    /// cells that do not touch rest.
+    /// Sets the states to a quadratic B-spline close to `x`. `x` has n + 1 values, one at each
+    /// boundary of the n cells; the two cells that touch rest are not among them.
     fn guess(&mut self, x: &[f64]) {
         let n = self.lengths.len();
         let length = |k: usize| if k == 0 || k > n { 0.0 } else { self.lengths[k - 1] };
@@ -393,8 +393,9 @@ impl Solver {
                 .min(1.0)
                 .min(share(ratios.x, SETTINGS.largest_decrease));
             let dual = (dual_beyond * share(ratios.dual, SETTINGS.to_boundary)).min(1.0);
-            // After many steps, the step length is halved: where the curvature is only an upper
-            // bound of the true curvature, full steps may cycle.
+            // After many steps, each step is halved: the model of a step contains the magnitude of
+            // the Lagrangian's curvature, and where the curvature is negative, full steps may
+            // cycle.
             let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
             // NaN fails this test as well, if numbers are out of range.
             if !(primal > 0.0 && dual > 0.0) {

@@ -43,9 +43,9 @@ const PLANS_DIFFER_S: f64 = 0.02;
 /// because a wait that overlaps the motion before the blend can delay the next motion.
 enum Decided {
     /// The program sends the next motion in time for the blend into it. `needed_s` is the latest
-    /// time in s at which the program may send the motion. If the decision was possible without
-    /// computing this time, `needed_s` is a lower bound of it: the largest `needed_s` of the
-    /// earlier blends (a later blend never needs its motion earlier), or negative infinity.
+    /// time in s at which the program may send the motion. If the decision did not need this time,
+    /// `needed_s` is only a lower bound: the largest value of the earlier blends, because a later
+    /// blend never needs its motion earlier; without earlier values, negative infinity.
     InTime { needed_s: f64 },
     /// The program sends the next motion too late. Contains the section that stops before the
     /// blend.
@@ -129,9 +129,10 @@ impl Planner {
     }
 
     /// Applies Sunrise's limits to the path. The speed of a LIN or CIRC motion from rest to rest is
-    /// limited to its length divided by `least_cruise_s`, as in recordings. At constant speed, even
-    /// a very short motion therefore takes at least `least_cruise_s`. In T1, the function also
-    /// stores the path without the T1 speed limit, in `unsupervised`.
+    /// limited to its length divided by `least_cruise_s`, as recorded PTP motions and splines show
+    /// (an assumption for LIN and CIRC). Even a very short motion therefore takes at least
+    /// `least_cruise_s`, and its ramps take more time. In T1, the function also stores the path
+    /// without the T1 speed limit, in `unsupervised`.
     fn limit_as_sunrise(&mut self) {
         self.unsupervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
