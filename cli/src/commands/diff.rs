@@ -127,6 +127,14 @@ fn run_folders(options: &Diff) -> Result<(), Failure> {
 /// Plans a version with its clearances, or reads its plan.
 fn version(options: &Diff, scene: Option<&Scene>, path: &Path) -> Result<PlanVersion, Failure> {
     if let Some(plan) = recorded_plan(path)? {
+        if scene.is_some() {
+            let name = printable(&path.display().to_string());
+            let clearances = match plan.figures().clearance {
+                Some(_) => "its clearances are those in the scene that it was planned with",
+                None => "it was planned without a scene and has no clearances to obstacles",
+            };
+            print_note(&format!("Note: {name} is a plan: {clearances}\n"));
+        }
         return Ok(plan);
     }
     let robot = options.robot.as_deref();

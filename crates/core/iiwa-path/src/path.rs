@@ -387,7 +387,7 @@ impl JointPath {
         self.carried.io.range(..=last).map(|(motion, entry)| (*motion, entry))
     }
 
-    /// Splines in which the TCP stops, and the number of stops in each: at reversals, at repeated
+    /// Splines in which the TCP stops, and the places of these stops: at reversals, at repeated
     /// points, and between lines or circles that do not join smoothly.
     #[must_use]
     pub fn stops_in_splines(&self) -> Vec<(MotionIndex, Vec<SplineStop>)> {

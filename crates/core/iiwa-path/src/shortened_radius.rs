@@ -3,8 +3,9 @@
 use crate::step::ShortenedBlend;
 use iiwa_program::MotionIndex;
 
-/// Share of the radius in the program from which a blend counts as complete.
-const COMPLETE: f64 = 0.999;
+/// Difference from the radius in the program from which a blend counts as shortened, in mm: radii
+/// are printed to a tenth.
+const MIN_DIFFERENCE_MM: f64 = 0.05;
 
 /// A blend radius that is smaller than the program asks for.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +20,7 @@ impl ShortenedRadius {
     /// Returns the radius of a blend that takes half of the motion on a `side`; `None` if the blend
     /// is as large as the program asks for.
     pub(crate) fn new(side: usize, asked_mm: f64, used_mm: f64) -> Option<Self> {
-        (used_mm < COMPLETE * asked_mm).then_some(Self { side, asked_mm, used_mm })
+        (asked_mm - used_mm >= MIN_DIFFERENCE_MM).then_some(Self { side, asked_mm, used_mm })
     }
 
     /// Returns the smaller of two radii.

@@ -67,6 +67,7 @@ fn shortened_blends(path: &JointPath) -> Vec<String> {
     let mut all = path.blends().filter_map(|(corner, _)| Some((corner.motion, corner.shortened?)));
     let warning = |(motion, blend): (MotionIndex, ShortenedBlend)| {
         let ShortenedBlend { half_of, asked_mm, used_mm } = blend;
+        let asked_mm = (1e3 * asked_mm).round() / 1e3;
         format!(
             "motion {motion}: its blend of {asked_mm} mm is shortened to {used_mm:.1} mm: a blend \
              takes at most half of a motion or of a spline segment, here of motion {half_of}"

@@ -101,12 +101,15 @@ pub(crate) fn solve<S: Simd>(
     let Gains { stages: gains, parts } = gains;
     gains.resize(chain.lengths.len(), Gain::default());
     if let Some((mut parts, count)) = Parts::of::<S>(chain, parts) {
-        let first = chain.stages.start;
-        let rest = StageChain { stages: first + count..chain.stages.end, ..chain.clone() };
+        let rest_start = chain.stages.start + count;
+        let rest = StageChain { stages: rest_start..chain.stages.end, ..chain.clone() };
         let after = backwards::<S>(&rest, gains);
         let costs = parts.backwards(simd);
-        if let Some((cost, ends)) = riccati_parts::join(&costs, after) {
-            let between = riccati_parts::between(first_step(chain, cost)?, &ends);
+        // Rounding can deprive the parts of a minimum that the whole chain has.
+        if let Some((cost, ends)) = riccati_parts::join(&costs, after)
+            && let Ok(first) = first_step(chain, cost)
+        {
+            let between = riccati_parts::between(first, &ends);
             parts.forwards(simd, &between, steps);
             forwards::<S>(&rest, gains, between[between.len() - 1], steps);
             return Ok(());
@@ -402,6 +405,9 @@ mod tests {
             .collect();
         let to_rest = [1.0, 1.2, 0.5, 0.4];
         let free = vec![true; CELLS];
+        // With short cells at the ends of all possible parts, the whole chain is solved.
+        let mut short = lengths.clone();
+        short[9..11].fill(1e-5);
         for (stages, slope_from_rest) in
             [(0..90, Some(0.8)), (0..90, None), (3..75, None), (0..65, Some(-0.4)), (26..90, None)]
         {
@@ -425,6 +431,10 @@ mod tests {
             }
             let (before, after) = (&steps[..stages.start], &steps[stages.end..]);
             assert!(before.iter().chain(after).flatten().all(|step| step.is_nan()), "{case}");
+            let ends_short = StageChain { lengths: &short, ..chain };
+            let (_, parts) = pulp::Arch::new().dispatch(WithRegisters(&ends_short));
+            let has_long_ends = [0..65, 26..90].contains(&stages);
+            assert_eq!(parts > 0, registers && has_long_ends, "{case}");
         }
     }
 

@@ -18,6 +18,11 @@ use crate::{
 /// Number of stages from which parts are used.
 pub(crate) const MIN_STAGES: usize = 8 * LANES;
 
+/// Least length of the last cell of a part, as a share of the longest cell. W0 and W1 of this cell
+/// meet a given state; in shorter cells they are differences of large numbers, and steps lose their
+/// precision.
+const MIN_LAST_LENGTH: f64 = 1e-3;
+
 /// A quadratic function of (x, V, E, F): the upper triangle of its coefficients over
 /// (x, V, E, F, 1), row by row, without the constant.
 type PartCost<T> = [T; 14];
@@ -55,8 +60,8 @@ pub(crate) struct Parts<'a> {
 
 impl<'a> Parts<'a> {
     /// Returns the parts at the beginning of a chain, with the number of their stages together; at
-    /// least one stage is left to the recursion of the whole chain. `None` if the chain is short or
-    /// has cells with fixed W0 and W1.
+    /// least one stage is left to the recursion of the whole chain. `None` if the chain is short,
+    /// has cells with fixed W0 and W1, or has short cells at the end of each possible part.
     #[inline(always)]
     pub(crate) fn of<S: Simd>(
         chain: &'a StageChain<'a>,
@@ -66,7 +71,12 @@ impl<'a> Parts<'a> {
         if S::F64_LANES == 1 || all.len() < MIN_STAGES || chain.free[all.clone()].contains(&false) {
             return None;
         }
-        let stages = (all.len() - 1) / LANES;
+        let lengths = &chain.lengths[all.clone()];
+        let min_length = MIN_LAST_LENGTH * lengths.iter().copied().fold(0.0, f64::max);
+        let ends_long =
+            |stages: &usize| (1..=LANES).all(|part| lengths[part * stages - 1] >= min_length);
+        let most = (all.len() - 1) / LANES;
+        let stages = (most - most / 8..=most).rev().find(ends_long)?;
         if gains.len() < stages {
             gains.resize(stages, PartGain::default());
         }
@@ -308,7 +318,8 @@ fn store<S: Simd, const N: usize>(r: usize, lanes: &mut [Lanes; N], vectors: &[V
 }
 
 /// Joins the parts with the cost-to-go after the last one. Returns the cost-to-go from the first
-/// stage and the feedback at the end of each part; `None` if rounding leaves no minimum at an end.
+/// stage and the feedback at the end of each part; `None` if rounding leaves no minimum at an end,
+/// or if numbers are out of range.
 pub(crate) fn join(
     costs: &PartCost<Lanes>,
     mut after: CostToGo,
@@ -337,7 +348,8 @@ pub(crate) fn join(
         gains[l] = [of_e, of_f];
         after = CostToGo::convex([xx, xv, vv], [x, v]);
     }
-    Some((after, gains))
+    let CostToGo { p, g } = after;
+    p.iter().chain(&g).all(|value| value.is_finite()).then_some((after, gains))
 }
 
 /// States between the parts, from that at the start.

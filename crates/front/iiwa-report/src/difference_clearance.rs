@@ -24,15 +24,28 @@ impl<T: ComparedDistance + Clone> ClearanceChange<T> {
         Some(Self { old: old?, new: new? })
     }
 
+    /// Returns true if the distances differ by `least_mm` or more, or if one of them is a contact.
+    pub(crate) fn differs(&self, least_mm: f64) -> bool {
+        let [old_mm, new_mm] = self.distances_mm();
+        (new_mm - old_mm).abs() >= least_mm || (old_mm > 0.0) != (new_mm > 0.0)
+    }
+
     /// Describes both distances and their change; `subject` is the beginning of the sentence.
     pub(crate) fn sentence(&self, subject: &str) -> String {
-        let [old_mm, new_mm] = [&self.old, &self.new].map(ComparedDistance::distance_mm);
+        let distances_mm = self.distances_mm();
+        let [old_mm, new_mm] = distances_mm;
         let [old, new] = [&self.old, &self.new].map(ComparedDistance::place);
+        let [before, after] = distances_mm.map(|distance_mm| {
+            if distance_mm > 0.0 { format!("{distance_mm:.1} mm") } else { "contact".to_owned() }
+        });
         format!(
-            "{subject} {old_mm:.1} mm before, {new_mm:.1} mm after: {} mm ({old} before, {new} \
-             after)",
+            "{subject} {before} before, {after} after: {} mm ({old} before, {new} after)",
             signed(new_mm - old_mm, 1)
         )
+    }
+
+    fn distances_mm(&self) -> [f64; 2] {
+        [&self.old, &self.new].map(ComparedDistance::distance_mm)
     }
 }
 

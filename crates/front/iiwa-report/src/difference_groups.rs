@@ -69,11 +69,15 @@ impl GroupRow {
     }
 }
 
-/// Returns the table of groups; `format` formats the cells.
-pub(crate) fn group_table(groups: &[GroupRow], format: impl Fn(&str) -> String) -> Table {
+/// Returns the table of some groups; `format` formats the cells.
+pub(crate) fn group_table<'g>(
+    groups: impl Iterator<Item = &'g GroupRow>,
+    format: impl Fn(&str) -> String,
+) -> Table {
     let head = ["group", "old motions", "new motions", "old s", "new s", "change s"];
     let mut table = table(&head);
-    shortened(&mut table, groups, |table, row| {
+    let groups: Vec<_> = groups.collect();
+    shortened(&mut table, &groups, |table, row| {
         table.add_row(row.cells().iter().map(|cell| format(cell)));
     });
     table

@@ -248,11 +248,16 @@ impl DifferenceReport {
         }
     }
 
-    /// Returns true if the plans have the same motions, names, groups, times, paths and limits.
+    /// Returns true if the plans have the same motions, names, times of groups, times, paths,
+    /// limits and clearances.
     #[must_use]
     pub fn is_empty(&self) -> bool {
+        let of_scene = self.clearance.as_ref();
+        let of_itself = self.self_clearance.as_ref();
         self.motions.is_empty()
             && !self.has_other_groups()
+            && !of_scene.is_some_and(|it| it.differs(LEAST_CHANGE_MM))
+            && !of_itself.is_some_and(|it| it.differs(LEAST_CHANGE_MM))
             && self.robots[0] == self.robots[1]
             && self.timings[0] == self.timings[1]
             && self.cycle_time_s.change().abs() < LEAST_CHANGE_S
@@ -295,7 +300,7 @@ impl DifferenceReport {
             let _ = writeln!(text, "{}\n", fitted(self.table(str::to_owned), width));
         }
         if self.has_other_groups() {
-            let table = group_table(&self.groups, str::to_owned);
+            let table = group_table(self.other_groups(), str::to_owned);
             let _ = writeln!(text, "{}\n", fitted(table, width));
         }
         self.sentences().for_each(|line| _ = writeln!(text, "{line}"));
@@ -313,16 +318,20 @@ impl DifferenceReport {
             let _ = writeln!(text, "\n{table}");
         }
         if self.has_other_groups() {
-            let mut table = group_table(&self.groups, escaped);
+            let mut table = group_table(self.other_groups(), escaped);
             table.load_style(presets::ASCII_MARKDOWN);
             let _ = writeln!(text, "\n{table}");
         }
         text
     }
 
-    /// Returns true if any group differs.
+    /// Returns the groups that differ.
+    fn other_groups(&self) -> impl Iterator<Item = &GroupRow> {
+        self.groups.iter().filter(|group| group.differs(LEAST_CHANGE_S))
+    }
+
     fn has_other_groups(&self) -> bool {
-        self.groups.iter().any(|group| group.differs(LEAST_CHANGE_S))
+        self.other_groups().next().is_some()
     }
 
     /// Returns true if any motion has a name.

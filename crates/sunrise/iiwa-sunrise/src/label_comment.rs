@@ -41,8 +41,8 @@ pub(crate) fn label_lines(label: &MotionLabel) -> Vec<String> {
     lines
 }
 
-/// Returns the labels of a Java source, by the numbers of the lines that directly follow their
-/// comment lines.
+/// Returns the labels of a Java source, by the numbers of the lines that follow their comment
+/// lines; other line comments may be in between.
 pub(crate) fn stated_labels(text: &str) -> Vec<(u32, MotionLabel)> {
     let mut labels = Vec::new();
     let mut label = MotionLabel::default();
@@ -50,12 +50,15 @@ pub(crate) fn stated_labels(text: &str) -> Vec<(u32, MotionLabel)> {
         match key_and_text(line) {
             Some((NAME, name)) => label.name = Some(name),
             Some((GROUP, group)) => label.group = Some(group),
-            Some((_, comment)) => {
-                label.comment = Some(match label.comment.take() {
-                    Some(before) => format!("{before}\n{comment}"),
-                    None => comment,
-                });
-            }
+            Some((_, comment)) => match &mut label.comment {
+                Some(before) => {
+                    before.push('\n');
+                    before.push_str(&comment);
+                }
+                none => *none = Some(comment),
+            },
+            // A comment may have been wrapped, or stand between the label and its statement.
+            None if !label.is_empty() && line.trim_start().starts_with("//") => {}
             None if !label.is_empty() => labels.push((number, std::mem::take(&mut label))),
             None => {}
         }
@@ -151,6 +154,9 @@ mod tests {
         ] {
             assert_eq!(stated_labels(text), [], "{text}");
         }
+        // Another comment may follow.
+        let labels = stated_labels("// iiwasim name: a\n// approach\nlbr.move(m);");
+        assert_eq!(labels, [(3, MotionLabel::named("a"))]);
         // An empty line separates the comment from the statement.
         let labels = stated_labels("// iiwasim name: a\n\nlbr.move(m);");
         assert_eq!(labels, [(2, MotionLabel::named("a"))]);

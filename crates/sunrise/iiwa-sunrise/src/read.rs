@@ -333,10 +333,16 @@ fn load(
         let [x, y, z] = keys.map(or_zero);
         Ok::<_, DataFileError>([x?, y?, z?])
     };
-    Ok(Some(Load {
+    let load = Load {
         mass_kg,
         center_mm: three(["cogX", "cogY", "cogZ"])?,
         inertia_kg_m2: three(["inertiaX", "inertiaY", "inertiaZ"])?,
         abc_rad: three(["cogA", "cogB", "cogC"])?,
-    }))
+    };
+    // A program with this load would be refused.
+    if let Err(error) = load.check() {
+        rest.add(&format!("loadData of {tool}"), &error.to_string());
+        return Ok(None);
+    }
+    Ok(Some(load))
 }

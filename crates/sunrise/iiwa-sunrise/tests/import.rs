@@ -196,6 +196,9 @@ fn templates_become_tools_with_tips_and_loads() {
     assert_eq!(cell.tools[0].tcp, None);
     let plate = &cell.workcell.tools["Plate"];
     assert_eq!((plate.tcp, &plate.load), (Frame::default(), &None));
+    // Programs would refuse a load in grams, and with it all frames of the file.
+    let cell = imported(&file("", &none.replace("0.0", "2000")));
+    assert_eq!(cell.workcell.tools["Plate"].load, None);
 }
 
 #[test]

@@ -115,7 +115,10 @@ impl Step {
                     && limits == other_limits
                     && is_same_curve(segment.as_ref(), other_segment.as_ref())
             }
-            (Self::Corner { motion, .. }, Self::Corner { motion: other, .. }) => motion == other,
+            (
+                Self::Corner { motion, place },
+                Self::Corner { motion: other, place: other_place },
+            ) => motion == other && place == other_place,
             (
                 Self::Settle { motion, blocking, still },
                 Self::Settle { motion: of, blocking: other, still: as_still },

@@ -1,6 +1,11 @@
 //! Imports an application of a project as a motion program.
 
-use std::{collections::BTreeMap, fmt::Write as _, rc::Rc, thread};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt::Write as _,
+    rc::Rc,
+    thread,
+};
 
 use crate::{
     Answers, DataFile, ExportedProject, Project, ProjectData, Question, QuestionKind,
@@ -382,15 +387,16 @@ fn with_labels(
         .iter()
         .flat_map(|file| file.labels().iter().map(|(line, label)| ((file.path(), *line), label)))
         .collect();
+    let mut noted = BTreeSet::new();
     for (motion, place) in (0..).map(MotionIndex::new).zip(places) {
-        let Some(label) = labels.get(&(&*place.file, place.line)) else { continue };
+        let line = (&*place.file, place.line);
+        let Some(label) = labels.get(&line) else { continue };
         match label.fault() {
             None => program.sources.insert_label(motion, (*label).clone()),
             Some((_, message)) => {
-                let text = format!("the comment lines before this line are ignored: {message}");
-                let note = ImportNote { text, source: source(place) };
-                if !notes.contains(&note) {
-                    notes.push(note);
+                if noted.insert(line) {
+                    let text = format!("the comment lines before this line are ignored: {message}");
+                    notes.push(ImportNote { text, source: source(place) });
                 }
             }
         }

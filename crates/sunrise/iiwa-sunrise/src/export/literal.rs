@@ -74,7 +74,9 @@ pub(super) fn comment(text: &str) -> String {
         c if c.is_control() => '?',
         c => c,
     };
-    text.chars().map(plain).collect::<String>().replace("*/", "* /")
+    let text = text.chars().map(plain).collect::<String>().replace("*/", "* /");
+    // An import would read it as a part of the next statement's label.
+    if text.starts_with("iiwasim ") { format!("- {text}") } else { text }
 }
 
 #[cfg(test)]
