@@ -55,26 +55,28 @@ fn hashes(name: &str, timing: Timing) -> [u64; 2] {
     [trajectory.0, states.0]
 }
 
-/// Hashes of the last version whose files had no torques, e4417f5: with jerk limits, and without.
+/// Hashes with jerk limits, and without. The latter are those of e4417f5, the last version whose
+/// files had no torques. The former have been renewed since the solver divides long chains of cells
+/// into parts, which changes last bits: durations differ by less than 1e-13 s.
 const BEFORE: [(&str, [u64; 2], [u64; 2]); 4] = [
     (
         "appendix-b",
-        [0x2ca2_6395_49bc_7bb6, 0x2e59_f8c4_9e59_a9e4],
+        [0xd409_1235_c91f_ae3c, 0x1e0c_e75e_bbe9_c302],
         [0x39ca_0519_519e_dfcb, 0x6a81_62db_79fe_b97d],
     ),
     (
         "pick-and-place",
-        [0xbf84_8b62_14c7_601a, 0x814e_7a5c_1ba0_ffe9],
+        [0x5006_35cf_5b4d_f65c, 0x1b2d_c290_e929_12f2],
         [0x2ec2_2696_157d_8da2, 0x72b8_c1e0_9c32_169e],
     ),
     (
         "ten-motions",
-        [0x027f_14cd_7f47_61d3, 0x9118_a52b_c1bc_f84a],
+        [0x36e7_29b0_1e02_9127, 0x033d_870a_5991_632b],
         [0x9306_f243_10fe_2150, 0x8a1e_2f96_bb40_8f05],
     ),
     (
         "waits-and-stops",
-        [0x0082_fff2_5f3a_349f, 0x42b6_f996_0c72_c1f0],
+        [0xbe9f_9b40_0d62_7ccc, 0x9153_46e5_236a_73a5],
         [0x04c4_cfb2_9424_8f68, 0x1f7c_bdde_6469_a019],
     ),
 ];

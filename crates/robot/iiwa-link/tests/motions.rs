@@ -1,5 +1,6 @@
 //! Round trip of requests and instructions with motions, exact to the last bit.
 
+use iiwa_kin::Load;
 use iiwa_link::{message::Request, robot_program::Instruction};
 use iiwa_program::{Blend, Motion, MotionList, OperatingMode, Program, Ptp};
 use proptest::prelude::*;
@@ -190,7 +191,10 @@ fn motion() -> BoxedStrategy<Value> {
 
 fn request() -> impl Strategy<Value = Value> {
     let motions = proptest::collection::vec(motion(), 1..6);
-    let load = (positive(), proptest::array::uniform3(number()));
+    let load = (
+        0.0..Load::MAX_MASS_KG,
+        proptest::array::uniform3(-Load::MAX_CENTER_MM..Load::MAX_CENTER_MM),
+    );
     (motions, pose(), pose(), pose(), load, any::<bool>()).prop_map(
         |(mut motions, tcp, tip, base, (mass, abc), slow)| {
             motions.push(json!({"type": "ptp", "joints_deg": [0, 0, 0, 0, 0, 0, 0]}));

@@ -191,7 +191,12 @@ fn impossible_programs_are_refused() {
             "the base `table` refers to itself",
         ),
         ("/frames/pick/base", json!("shelf"), "bad_request", "motion 1: unknown base `shelf`"),
-        ("/frames/pick", json!({"x_mm": 1}), "bad_request", "`pick`: `y_mm` is missing"),
+        (
+            "/frames/pick",
+            json!({"x_mm": 1}),
+            "bad_request",
+            "`a_deg`, `b_deg` and `c_deg` are missing",
+        ),
         ("/frames/pick/status", json!(8), "bad_request", "`pick`: status is 8"),
         (
             "/motions/0/frame",
