@@ -67,6 +67,8 @@ NUMBER = re.compile(rb"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 TOKEN = re.compile(rb'"[^"\n]*"|-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?|\w+|[^\w\s]')
 # Balanced values without inner brackets of the same type, and elements of XML on one line.
 VALUE = re.compile(rb"\{[^{}]*\}|\[[^\[\]]*\]|\([^()]*\)|<[^<>]*>|[^\n]*\n")
+# Bytes that a search for a match looks at.
+NEARBY = 8192
 PACKED = ("<d", "<f", "<Q", "<I", "<H", "<B")
 SCALES = (-1, 1e-9, 1e-3, 0.5, 0.99, 1.01, 2, 10, 1e3, 1e6, 1e12)
 EXTREMES = (0.0, -0.0, 1e308, -1e308, 5e-324, float("nan"), float("inf"), float("-inf"), 1e9)
@@ -86,8 +88,12 @@ def span(rng: Random, data: bytes) -> tuple[int, int]:
 
 
 def match(rng: Random, pattern: re.Pattern[bytes], data: bytes) -> tuple[int, int]:
-    """Start and end of a random match, or of a slice in files without any."""
-    found = pattern.search(data, place(rng, len(data))) or pattern.search(data)
+    """Start and end of a random match, or of a slice if there is none nearby.
+
+    A search over megabytes without a line end would take minutes.
+    """
+    start = place(rng, len(data))
+    found = pattern.search(data, start, start + NEARBY) or pattern.search(data, 0, NEARBY)
     return found.span() if found and found.group() else span(rng, data)
 
 
