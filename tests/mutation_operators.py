@@ -88,7 +88,7 @@ def span(rng: Random, data: bytes) -> tuple[int, int]:
 
 
 def match(rng: Random, pattern: re.Pattern[bytes], data: bytes) -> tuple[int, int]:
-    """Start and end of a random match, or of a slice if there is none nearby.
+    """Start and end of a random match, or of a slice if nothing nearby matches.
 
     A search over megabytes without a line end would take minutes.
     """
