@@ -78,11 +78,9 @@ impl Robot {
             }
             let end = border(&allowed, middle, to);
             match &mut open {
-                Some(range) if allowed(from) => range[1] = end,
-                _ => {
-                    ranges.extend(open.take());
-                    open = Some([border(&allowed, middle, from), end]);
-                }
+                // It is open because `from` is allowed.
+                Some(range) => range[1] = end,
+                None => open = Some([border(&allowed, middle, from), end]),
             }
             if end < to {
                 ranges.extend(open.take());
