@@ -183,9 +183,7 @@ impl PlanRecord {
                 return damaged(format!("a value that is not finite at {t_s:.3} s"));
             }
         }
-        if let Some(pair) = self.nodes.windows(2).find(|pair| pair[1].t_s <= pair[0].t_s) {
-            return damaged(format!("time does not increase after {:.3} s", pair[0].t_s));
-        }
+        self.check_times()?;
         if let Some(kind) = &self.unknown_kind {
             return damaged(format!("a piece of the unknown kind `{kind}`"));
         }
@@ -197,6 +195,19 @@ impl PlanRecord {
             return damaged("its pieces are not in the order of time".to_owned());
         }
         Ok(())
+    }
+
+    /// Checks that the times of the nodes increase, which damage to a file can change.
+    ///
+    /// # Errors
+    ///
+    /// [`PlanRecordError::Damaged`] if a time does not increase.
+    pub fn check_times(&self) -> Result<(), PlanRecordError> {
+        let disorder = self.nodes.windows(2).find(|pair| pair[1].t_s <= pair[0].t_s);
+        disorder.map_or(Ok(()), |pair| {
+            let message = format!("time does not increase after {:.3} s", pair[0].t_s);
+            Err(PlanRecordError::Damaged { message })
+        })
     }
 
     /// Figures of the plan; `None` if the file lacks them.

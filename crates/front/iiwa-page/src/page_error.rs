@@ -2,7 +2,7 @@
 
 use std::io;
 
-use iiwa_log::{JointLogError, ReadError, RecordedRobotError, WriteError};
+use iiwa_log::{JointLogError, PlanRecordError, RecordedRobotError, WriteError};
 use iiwa_scene::ArmMeshError;
 
 /// Reason why a page cannot be created.
@@ -34,7 +34,7 @@ pub enum PageError {
         /// Name of the file.
         name: String,
         /// Fault of the file.
-        source: ReadError,
+        source: PlanRecordError,
     },
     /// The robot of a file is unknown, and no other robot was given.
     #[error("{name}")]

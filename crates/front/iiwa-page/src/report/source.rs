@@ -97,9 +97,13 @@ impl PageSource {
         let (record, end) = PlanRecord::read_part(open()?);
         match end {
             Some(source) if !self.is_broken_off() => {
-                return Err(PageError::Plan { name: self.name, source });
+                return Err(PageError::Plan { name: self.name, source: source.into() });
             }
             _ => self.record = record,
+        }
+        // Between times out of order, curves would have billions of samples.
+        if let Err(source) = self.record.check_times() {
+            return Err(PageError::Plan { name: self.name, source });
         }
         // Without nodes, the end of the last piece is that of the joint states.
         if let (true, Some(last), Some(end_s)) =
