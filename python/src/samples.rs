@@ -104,7 +104,7 @@ fn tcp_poses(trajectory: &Trajectory, rate_hz: f64) -> Vec<(State, Pose)> {
     states.into_iter().zip(poses).collect()
 }
 
-/// Linear and angular TCP velocity at `pose`, in the axes of the robot base.
+/// Linear and angular TCP velocity at `pose`, in robot base axes.
 fn velocity(trajectory: &Trajectory, state: &State, pose: &Pose) -> [f64; 6] {
     let robot = trajectory.path().robot();
     let jacobian = robot.jacobian(&state.q);
@@ -221,7 +221,7 @@ impl Samples {
         Ok(made.bind(py).clone())
     }
 
-    /// TCP velocities (n, 6) in the axes of the robot base: linear, in m/s, and angular, in
+    /// TCP velocities (n, 6) in robot base axes: linear velocity in m/s, and angular velocity in
     /// rad/s.
     ///
     /// >>> import iiwasim as iw

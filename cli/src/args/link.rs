@@ -270,7 +270,8 @@ pub(crate) struct Run {
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
-    /// Address of the drive's stream of joint positions and state (--stream of `iiwasim drive`)
+    /// Address at which the drive publishes joint positions and its state (`iiwasim drive
+    /// --stream`)
     #[arg(long, value_name = "HOST:PORT", default_value = STREAM, env = "IIWASIM_STREAM",
         hide_env = true)]
     pub(crate) stream: Endpoint,

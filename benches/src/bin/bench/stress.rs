@@ -3,8 +3,8 @@
 //! increase, impossible times.
 //!
 //! ```text
-//! bench stress [PROGRAMS [SEED]] [--family NAME]       100 000 programs by default, of all
-//!                                                      families in turn
+//! bench stress [PROGRAMS [SEED]] [--family NAME]       100 000 programs by default, which
+//!                                                      alternate between the families
 //! bench stress [SEED] --family NAME --program NUMBER   one of them: a table of its pieces
 //! bench stress --file PROGRAM.json                     the same of any program
 //! ```

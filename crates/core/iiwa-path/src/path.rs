@@ -313,13 +313,13 @@ impl JointPath {
         self.carried.speed_override.unwrap_or(1.0)
     }
 
-    /// Law of the robot's soft starts and stops (ramps), slowed down by the override.
+    /// Law of soft starts and stops (ramps), slowed down by the override.
     #[must_use]
     pub fn ramp_law(&self) -> RampLaw {
         self.robot.ramp_law().slowed_down(self.speed_override())
     }
 
-    /// Full limits of the robot, slowed down by the override.
+    /// Full robot limits, reduced by the override.
     #[must_use]
     pub fn full_limits(&self) -> MotionLimits {
         MotionLimits::full(&self.robot).slowed_down(self.speed_override())

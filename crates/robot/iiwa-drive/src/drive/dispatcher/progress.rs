@@ -186,8 +186,7 @@ impl<C> Dispatcher<C> {
                 self.fail(run, error, now);
             }
         }
-        // Runs after `finish`, so that a completed run does not delay replies to stop
-        // requests.
+        // Called after `finish`: a completed run must not delay replies to stop requests.
         self.reply_to_stoppers(now);
         self.send_next(now);
         self.reject_overdue(now);
