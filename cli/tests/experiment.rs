@@ -190,23 +190,28 @@ fn the_committed_page_is_current() {
     }
 }
 
-/// Checks that words are equal, and numbers too, except some that differ by rounding on other
-/// processors.
+/// Checks that all words are equal, and all numbers except one in 50: numbers differ by rounding on
+/// other processors, and curves may then have a point more or less.
 fn assert_alike(made: &str, committed: &str, command: &str) {
-    let words = |text: &str| -> Vec<String> {
+    let split = |text: &str| -> (Vec<String>, Vec<String>) {
         let parts = text.split(|c: char| c.is_whitespace() || ",\"|".contains(c));
-        parts.filter(|part| !part.is_empty()).map(str::to_owned).collect()
+        let parts = parts.filter(|part| !part.is_empty()).map(str::to_owned);
+        parts.partition(|part| part.contains(|c: char| c.is_ascii_digit()))
     };
-    let (made, committed) = (words(made), words(committed));
-    let other: Vec<_> = made.iter().zip(&committed).filter(|(a, b)| a != b).collect();
-    let numbers = |word: &str| word.chars().any(|c| c.is_ascii_digit());
-    let alike = made.len() == committed.len()
-        && other.len() <= committed.len() / 50
-        && other.iter().all(|(a, b)| numbers(a) && numbers(b));
+    let (mut numbers, words) = split(made);
+    let (expected_numbers, expected_words) = split(committed);
+    assert_eq!(words, expected_words, "make it anew: iiwasim {command}");
+    let allowed = expected_numbers.len() / 50;
+    let mut missing = Vec::new();
+    for number in expected_numbers {
+        match numbers.iter().position(|made| *made == number) {
+            Some(place) => drop(numbers.remove(place)),
+            None => missing.push(number),
+        }
+    }
     assert!(
-        alike,
-        "make it anew: iiwasim {command}; {:?}",
-        other.iter().take(5).collect::<Vec<_>>()
+        numbers.len().max(missing.len()) <= allowed,
+        "make it anew: iiwasim {command}; {missing:?} became {numbers:?}"
     );
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct Export {
     #[arg(long, required = true)]
     pub(crate) sunrise: bool,
 
-    /// Motion program in JSON; - reads standard input
+    /// Motion program in JSON, or `-` for standard input
     #[arg(value_name = "PROGRAM")]
     pub(crate) program: PathBuf,
 

@@ -27,10 +27,10 @@ use super::{LogReading, log_reading::COMMANDED_PREFERRED, values::override_perce
 /// robot's controller planned the motions: set-points that a drive has streamed follow the path
 /// that iiwasim planned.
 ///
-/// Each figure has its uncertainty, half of the 95 % confidence interval, and the number of
-/// observations. Parameters that the recordings do not determine keep the values of the model. In a
-/// `DataRecorder` log, commanded positions are preferred: measured positions lag by a few ms, and
-/// the jerk identified from them is too low.
+/// Each figure is printed with its uncertainty (half of the 95 % confidence interval) and the
+/// number of observations. Parameters that the recordings do not determine keep the values of the
+/// model. In a `DataRecorder` log, commanded positions are preferred: measured positions lag by a
+/// few ms, and the jerk identified from them is too low.
 ///
 /// The resulting profile works with `iiwasim plan --robot PROFILE.json`. `iiwasim experiment` runs
 /// programs with suitable motions.

@@ -206,15 +206,15 @@ pub(crate) struct CabinetFaults {
 
 /// Run a motion program on the robot, and compare its cycle time with the plan.
 ///
-/// The command needs a running `iiwasim drive`, at the addresses --drive and --stream, that is
-/// connected to the controller. The program is planned first, and its cycle time, limits and
+/// The command needs a running `iiwasim drive` that is connected to the controller; --drive and
+/// --stream give its addresses. The program is planned first, and its cycle time, limits and
 /// torques are printed. Then the drive runs the program, and the measured joint positions are
 /// recorded as MCAP; torques are recorded as `effort` if the controller measures them. Ctrl-C stops
 /// the robot on its path; what was recorded until then is kept.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Run {
-    /// Motion program in JSON (`iiwasim schema` describes it); - reads standard input
+    /// Motion program in JSON (`iiwasim schema` describes it), or `-` for standard input
     #[arg(value_name = "PROGRAM.json")]
     pub(crate) program: PathBuf,
 

@@ -41,10 +41,11 @@ const URDF: &str = "URDF with meshes (STL, OBJ or Collada): clearances are compu
 /// for all programs in the folder, sorted by name. Programs are its *.json files, except hidden
 /// files, robot profiles, scenes, files of frames and JSON Schemas. A note names each file that is
 /// left out, except hidden files. The table then has one row per program: cycle time, time in
-/// motion, time at rest (settling and waiting), and the main limit. The main limit accounts for
-/// most of the time: each motion counts, with its whole duration, for the limit that is active
-/// longest in it or, if none is active, for the limit that it approaches most closely. A failed
-/// program is reported on standard error and does not stop the others; the exit code is then 3.
+/// motion, time at rest (settling and waiting), and the main limit. To find the main limit, the
+/// whole duration of each motion is assigned to the limit that is active longest in this motion or,
+/// if none is active, to the limit that the motion approaches most closely; the main limit has the
+/// largest sum. A failed program is reported on standard error and does not stop the others; the
+/// exit code is then 3.
 ///
 /// `iiwasim plan PROJECT --application CLASS` plans an application of a Sunrise project, with the
 /// options of `iiwasim import`.

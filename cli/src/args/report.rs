@@ -42,7 +42,7 @@ pub(crate) struct Report {
     #[arg(short, long, value_name = "FILE.html")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Built-in model or robot profile, instead of the file's
+    /// Built-in model or robot profile to use instead of the robot in the file
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 

@@ -480,7 +480,8 @@ impl<'a> Finder<'a> {
     /// Returns the first sample at or beyond a planned position.
     fn sample_at(&self, plan_s: f64) -> usize {
         let places = &self.followed.place_s;
-        // Noise may move positions slightly back; the error does not matter for a search range.
+        // Because of noise, places may decrease slightly from sample to sample. The index is then
+        // slightly wrong, which does not matter for a search range.
         self.followed.first + places.partition_point(|place_s| *place_s < plan_s)
     }
 
@@ -528,7 +529,7 @@ impl<'a> Finder<'a> {
     fn pause_before(&self) -> usize {
         const BEFORE_S: f64 = 2.0;
         let first = self.followed.first;
-        // The robot may already be moving, but is still close to the start.
+        // At the sample `first`, the robot may already be moving, but is still close to the start.
         let away = follow::LEFT_RAD + 10.0 * self.noise.norm_rad();
         let from_s = self.log.t_s[first] - BEFORE_S - 4.0 * away / self.speed(0);
         self.log.t_s.partition_point(|t_s| *t_s < from_s)
@@ -547,7 +548,8 @@ impl<'a> Finder<'a> {
         curve.refine(interval, &q, arc_rad - curve.arc(interval)).t_s
     }
 
-    /// Returns the times at which the robot passes motion changes within legs.
+    /// Returns the planned and the recorded times at which the robot passes from one motion to the
+    /// next without a stop.
     fn passes(&self) -> Vec<(f64, Option<f64>)> {
         let begins = |pair: &&[PlannedPiece]| {
             let moves = pair.iter().all(|piece| piece.kind.moves());
@@ -589,7 +591,8 @@ impl<'a> Finder<'a> {
             (place_s - plan_s, log.t_s[i], speed * speed)
         });
         let line = WeightedLine::fit(points)?;
-        // Two motions may meet at a reversal; the time is then between the two samples.
+        // If two motions meet at a reversal, the fitted time can be outside the interval between
+        // the samples before and after the position; it is limited to this interval.
         Some(line.zero.clamp(log.t_s[before], log.t_s[sample]))
     }
 }

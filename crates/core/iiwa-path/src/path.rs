@@ -364,8 +364,9 @@ impl JointPath {
         self.carried.has_tools
     }
 
-    /// Type of a motion. In programs without tools and frames, only inputs and outputs have a type
-    /// here; the result is `None` for all other entries, whose type follows from their steps.
+    /// Type of a motion. In programs without tools and frames, this function returns a type only
+    /// for inputs and outputs. For all other entries it returns `None`: their type follows from
+    /// their steps.
     #[must_use]
     pub fn motion_type(&self, motion: MotionIndex) -> Option<MotionType> {
         let of_io = self.io(motion).map(IoEntry::motion_type);

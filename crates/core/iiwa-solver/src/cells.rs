@@ -1,20 +1,22 @@
 //! Limits in blocks of eight cells, and their contributions to a Newton step.
 //!
-//! In a cell x is a cubic of the share f of its length, with V = dx/df and W = d2x/df2; W is linear
-//! from W0 to W1:
-//! `x(f) = x + V f + W0 (f^2/2 - f^3/6) + W1 f^3/6`.
-//! The state of a cell is (x, V, W0, W1) at its start. Limits apply
+//! In each cell, x = (dsigma/dt)^2 is a cubic polynomial in f, which runs from 0 at the start of
+//! the cell to 1 at its end. Its second derivative by f is linear, from W0 to W1:
+//! `x(f) = x + V f + W0 (f^2/2 - f^3/6) + W1 f^3/6`,
+//! with x and V = dx/df at the start of the cell. The state of a cell is (x, V, W0, W1). Limits
+//! apply
 //! - to velocity, at three of the four control points of the cubic; the fourth is the first one of
 //!   the next cell. Since x stays in the hull of the control points, this is sufficient where
 //!   dq/dsigma is constant; elsewhere, places in between are checked afterwards;
-//! - to acceleration, at the start and in the middle; on straight lines, at the start and at the
-//!   middle control point of V;
+//! - to acceleration, at the start and in the middle of the cell; on straight lines, at the start
+//!   and at the second of the three control points of dx/df;
 //! - to jerk, at both ends and in the middle;
 //! - to further quantities, such as torques, at the start and in the middle.
 //!
 //! Each limit becomes a row, which is divided by the value of the limit, so that its bound is 1.
-//! Jerk is sqrt(x) times a linear function of the state; its row is this function, with the bound
-//! `x^(-1/2)`. A row has a lower and an upper bound, each with a slack s and a dual z.
+//! Jerk is the exception: it is sqrt(x) times a linear function of the state, so that its row is
+//! this linear function, and the bound of the row is `x^(-1/2)`. A row has a lower and an upper
+//! bound, each with a slack s and a dual z.
 
 use std::ops::Range;
 

@@ -2,24 +2,26 @@
 //! where sigma is the path parameter and x = (dsigma/dt)^2.
 //!
 //! The duration, `sum of length / 2 (x_start^(-1/2) + x_end^(-1/2))`, is minimised over the states
-//! of the cells, subject to their limits. In each cell x is a cubic of the share f of its length,
-//! with V = dx/df; W0 and W1 are d2x/df2 at its ends. A Newton step is a linear-quadratic control
-//! problem: x and V are continuous from cell to cell, and W0 and W1 are the controls. A backward
-//! recursion over 2x2 matrices (Riccati) solves it in time linear in the number of cells.
-//! Neighbouring cells can differ in length by a factor of thousands; one banded system for all x
-//! would lose precision there, but the recursion does not.
+//! of the cells, subject to their limits. In each cell, x is a cubic polynomial in f, which runs
+//! from 0 at the start of the cell to 1 at its end. The state of a cell is (x, V, W0, W1): x and V
+//! = dx/df at its start, and W0 and W1, the values of d2x/df2 at its two ends. A Newton step is a
+//! linear-quadratic control problem: x and V are continuous from cell to cell, and W0 and W1 are
+//! the controls. A backward recursion over 2x2 matrices (Riccati) solves it in time linear in the
+//! number of cells. Neighbouring cells can differ in length by a factor of thousands; one banded
+//! system for all x would lose precision there, but the recursion does not.
 //!
-//! Iterates may be infeasible in two ways. Slacks need not match their constraints (rows), which
-//! allows long steps. And each cell stores its own x and V, so that the end of a cell need not
-//! match the start of the next one until the method has converged: if x were computed from cell to
-//! cell, its small values would inherit the rounding errors of its large ones (x falls from 20 to
-//! 1e-7 within a section).
+//! Iterates may be infeasible in two ways. First, slacks need not match their constraints (rows),
+//! which allows long steps. Second, each cell stores its own x and V, so that the end of a cell
+//! need not match the start of the next one until the method has converged. If x were computed from
+//! cell to cell instead, its small values would inherit the rounding errors of its large ones (x
+//! falls from 20 to 1e-7 within a section).
 //!
 //! After the limits of a few cells have changed, only a window of cells around them is solved
 //! again, because the change affects the optimum only nearby.
 //!
-//! Jerk is constant in the cells next to rest: there x is proportional to sigma^(4/3), which is not
-//! a cubic.
+//! The first cell of a section that starts at rest and the last cell of one that ends at rest are
+//! exceptions. Jerk is constant in them, so that x is proportional to s^(4/3), where s is the
+//! distance from the point of rest in sigma.
 
 use std::{
     ops::Range,
@@ -263,14 +265,14 @@ impl Solver {
         for rest in self.rests.within_mut(&self.window) {
             let s = (1.0 - rest.x(&self.states) / rest.cap).max(start.min_slack);
             let balanced = mu / s;
-            // Unlike `clamp`, this does not panic if numbers are out of range.
+            // Unlike `clamp`, this does not panic if a bound is NaN.
             let z = rest.slack.z.max(balanced / start.kept).min(balanced * start.kept);
             rest.slack = ScalarSlackPair { s, z, ..ScalarSlackPair::default() };
         }
     }
 
-    /// Solves the problem from the current iterate, until the gap is at most the share `gap` of the
-    /// duration, or `stop` is set.
+    /// Solves the problem from the current iterate, until the duality gap is at most `gap` times
+    /// the duration, or `stop` is set.
     pub(crate) fn solve(&mut self, gap: f64, stop: &AtomicBool) -> Result<(), SolveError> {
         dispatch(Solve { solver: self, gap, stop })
     }
@@ -304,7 +306,7 @@ impl Solver {
         self.rests.to.as_ref().map_or(0.0, |rest| rest.duration_s(&self.states))
     }
 
-    /// Largest share of the jerk limits in the cells that touch rest.
+    /// Largest ratio of the jerk to its limit in the cells that begin or end at rest.
     pub(crate) fn rest_jerk(&self) -> f64 {
         // Jerk is proportional to x^(3/2) there.
         self.rests
@@ -337,7 +339,7 @@ impl Solver {
         moving + rests.sum::<f64>()
     }
 
-    /// The ratio V / x at the start of the first cell. It follows from the cell before, which
+    /// The ratio V / x at the start of the first cubic cell. It follows from the cell before, which
     /// starts at rest and in which x is proportional to sigma^(4/3). `None` if the window does not
     /// contain the first cell, or the section does not start at rest.
     fn slope_from_rest(&self) -> Option<f64> {
@@ -393,12 +395,11 @@ impl Solver {
                 .min(1.0)
                 .min(share(ratios.x, SETTINGS.largest_decrease));
             let dual = (dual_beyond * share(ratios.dual, SETTINGS.to_boundary)).min(1.0);
-            // After many steps, each step is halved: the model of a step contains the magnitude of
-            // the Lagrangian's curvature, and where the curvature is negative, full steps may
-            // cycle.
+            // A step uses the absolute value of the Lagrangian's curvature. Where the curvature is
+            // negative, full steps can therefore cycle: after many steps, each step is halved.
             let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
-            // NaN fails this test as well, if numbers are out of range.
-            if !(primal > 0.0 && dual > 0.0) {
+            // The step length is zero if the relative decrease of a slack, a dual or x is infinite.
+            if primal <= 0.0 || dual <= 0.0 {
                 return Err(SolveError::NotConverged);
             }
             self.step(primal, dual);
@@ -525,7 +526,7 @@ fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
         if segment.is_line() {
             continue;
         }
-        // Indices among the seven places of a geometry.
+        // Start, middle and end of the cell, among the seven places at which its geometry is known.
         let [start, middle, end] = [0, 3, 6].map(|place| {
             let [_, _, dddq] = segment.derivatives_at(geometry, place);
             segment.jerk_at_unit_speed(&dddq)

@@ -25,7 +25,8 @@ use crate::{
 // "Further limits" are all limits other than velocity, acceleration and jerk: torque limits and
 // those of `Planner::with_limit`. Below are ratios of a value to its limit.
 
-/// A section planned without further limits is kept if its largest ratio is at most this.
+/// A section that was planned without the further limits is kept if its values are at most this
+/// ratio of these limits.
 const TOLERANCE: f64 = 1.005;
 
 /// If the ratio in the plan without jerk limits is at least this, the plan with jerk limits
@@ -43,9 +44,10 @@ const PLANS_DIFFER_S: f64 = 0.02;
 /// because a wait that overlaps the motion before the blend can delay the next motion.
 enum Decided {
     /// The program sends the next motion in time for the blend into it. `needed_s` is the latest
-    /// time in s at which the program may send the motion. If the decision did not need this time,
-    /// `needed_s` is only a lower bound: the largest value of the earlier blends, because a later
-    /// blend never needs its motion earlier; without earlier values, negative infinity.
+    /// time in s at which the program may send the motion. If the decision was possible without
+    /// this time, `needed_s` is only a lower bound: either negative infinity, or the largest
+    /// `needed_s` of the preceding blends (no blend needs its motion earlier than a preceding blend
+    /// does).
     InTime { needed_s: f64 },
     /// The program sends the next motion too late. Contains the section that stops before the
     /// blend.
@@ -129,10 +131,10 @@ impl Planner {
     }
 
     /// Applies Sunrise's limits to the path. The speed of a LIN or CIRC motion from rest to rest is
-    /// limited to its length divided by `least_cruise_s`, as recorded PTP motions and splines show
-    /// (an assumption for LIN and CIRC). Even a very short motion therefore takes at least
-    /// `least_cruise_s`, and its ramps take more time. In T1, the function also stores the path
-    /// without the T1 speed limit, in `unsupervised`.
+    /// limited to the length of the motion divided by `least_cruise_s`. Recorded PTP motions and
+    /// splines show this limit; for LIN and CIRC, it is an assumption. Even a very short motion
+    /// therefore takes at least `least_cruise_s` plus the time of its ramps. In T1, the function
+    /// also stores the path without the T1 speed limit, in `unsupervised`.
     fn limit_as_sunrise(&mut self) {
         self.unsupervised = None;
         if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
@@ -164,8 +166,8 @@ impl Planner {
         self.limit_as_sunrise();
     }
 
-    /// Sets the flag that interrupts planning: soon after the caller sets it to true, also within a
-    /// section, planning ends with [`TimingError::Interrupted`].
+    /// Uses `stop` as the flag that interrupts planning. Soon after the caller has set the flag to
+    /// true, planning ends with [`TimingError::Interrupted`], even in the middle of a section.
     #[must_use]
     pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = stop;
@@ -438,9 +440,10 @@ impl Planner {
             self.clock.note(&section);
             while let Some(blend) = blends.get(in_time).copied().filter(|blend| *blend < end) {
                 let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
-                // Stopping before a later blend never requires braking earlier. A motion that is
-                // known before `needed_before_s` is therefore in time, and no plan with a stop is
-                // necessary.
+                // The latest time at which the arm can begin to brake for a stop before a blend is
+                // never earlier than the latest time for a stop before a preceding blend. A motion
+                // that is known before `needed_before_s` is therefore in time, and no plan with a
+                // stop is necessary.
                 let is_in_time = known_s <= needed_before_s - PLANS_DIFFER_S;
                 let decided = if is_in_time {
                     Decided::InTime { needed_s: needed_before_s }

@@ -102,8 +102,8 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// An address is invalid, is open to other machines without keys, or cannot be bound; or a
-    /// thread cannot be started.
+    /// An address is invalid, cannot be bound, or is open to other machines although no keys are
+    /// configured; or a thread cannot be started.
     pub fn start(
         config: DriveConfig,
         clients: &Server,
@@ -222,8 +222,8 @@ fn listen(
     })
 }
 
-/// Returns `true` for stop requests. If there are too many connections, the oldest ones are closed
-/// to make room; connections with a pending stop request are closed last.
+/// Returns `true` for stop requests. If the listener has too many connections, it closes the oldest
+/// ones first; connections with a pending stop request are closed only after all others.
 fn is_stop(frames: &[Bytes]) -> bool {
     let body = frames.last().filter(|body| body.len() <= SHORT_MESSAGE_BYTES);
     body.is_some_and(
