@@ -190,8 +190,9 @@ pub(crate) enum Timing {
     Jerk,
     /// As recorded on a real robot. PTP motions between two stops have the speed profile that was
     /// fitted to recordings; splines between two stops have a fitted speed that can exceed
-    /// acceleration and jerk limits. All other motions are planned as with `jerk`, but start and
-    /// stop as softly as recorded motions (an assumption: such motions have not been recorded)
+    /// acceleration and jerk limits. All other motions are planned as with `jerk`, but with the
+    /// soft starts and stops of recorded motions (an assumption: no motions of these other kinds
+    /// have been recorded)
     Sunrise,
 }
 

@@ -12,8 +12,8 @@ use super::{LogReading, Urdf};
 /// seek and change the speed; the flange path with its blends, and a sphere for each blend that has
 /// a radius; position, velocity, acceleration, jerk and torque (link side) of the joints with their
 /// limits; the start, duration and active limit of each motion. With a second file, the page also
-/// shows the measured arm and the errors of `iiwasim compare`; with --scene, the obstacles, the
-/// tool and the clearance over time.
+/// shows the measured arm and the errors of the plan, as `iiwasim compare` computes them; with
+/// --scene, the obstacles, the tool and the clearance over time.
 ///
 /// A recording of `iiwasim run` contains its program and is shown beside its plan. Other recordings
 /// do not contain a program: their pages show neither a plan nor a list of motions. A truncated

@@ -560,8 +560,9 @@ impl<'a> Finder<'a> {
     }
 
     /// Returns the recorded time at which the robot passes the position that is planned for
-    /// `plan_s`. It is determined with a line fit, because near this position the recorded time is
-    /// almost linear in the matched planned time.
+    /// `plan_s`. The time is determined with a line fit: near this position, the recorded time of a
+    /// sample is almost a linear function of the planned time of the path point that the sample is
+    /// matched to.
     fn pass(&self, plan_s: f64) -> Option<f64> {
         const AROUND_S: f64 = 0.008;
         const AROUND: usize = 3;

@@ -205,7 +205,8 @@ impl JointPath {
         &self.limits
     }
 
-    /// Limits of a step: the limits of its motion, or those of the spline segment itself.
+    /// Limits of a step: its own limits, which segments of a spline can have, or else the limits of
+    /// its motion.
     ///
     /// # Panics
     ///
@@ -221,9 +222,9 @@ impl JointPath {
         }
     }
 
-    /// TCP of a motion in the flange frame: that of the tool of the motion, or else of the program.
-    /// A wait has the TCP of the motion before. Without a tool, and for paths that were not built
-    /// from a program, the TCP is the flange, [`Pose::IDENTITY`].
+    /// TCP that a motion uses, as a pose in the flange frame: the TCP of the motion's tool, or else
+    /// of the program's tool. A wait has the TCP of the motion before. Without a tool, and for
+    /// paths that were not built from a program, the TCP is the flange, [`Pose::IDENTITY`].
     ///
     /// ```
     /// use iiwa_kin::{Pose, Robot};

@@ -70,7 +70,8 @@ fn shortened_blends(path: &JointPath) -> Vec<String> {
         let asked_mm = (1e3 * asked_mm).round() / 1e3;
         format!(
             "motion {motion}: its blend of {asked_mm} mm is shortened to {used_mm:.1} mm: a blend \
-             takes at most half of a motion or of a spline segment, here of motion {half_of}"
+             takes at most half of a motion or of a spline segment, and motion {half_of} is \
+             too short"
         )
     };
     let mut warnings: Vec<_> = all.by_ref().take(NAMED).map(warning).collect();

@@ -19,9 +19,9 @@
 //! After the limits of a few cells have changed, only a window of cells around them is solved
 //! again, because the change affects the optimum only nearby.
 //!
-//! The first cell of a section that starts at rest and the last cell of one that ends at rest are
-//! exceptions. Jerk is constant in them, so that x is proportional to s^(4/3), where s is the
-//! distance from the point of rest in sigma.
+//! In the first cell of a section that starts at rest, and in the last cell of a section that ends
+//! at rest, x is not a cubic polynomial. Jerk is constant in these cells, so that x is proportional
+//! to s^(4/3), where s is the distance in sigma from the point of rest.
 
 use std::{
     ops::Range,
@@ -283,8 +283,8 @@ impl Solver {
         for_each_block!(&mut self.blocks, cells, block => block.lower(first, by));
     }
 
-    /// x and its first two derivatives with respect to sigma at the share `f` of cell `k`, counted
-    /// without the two cells that touch rest.
+    /// x and its first two derivatives with respect to sigma, at `f` (0 to 1) in cell `k`. The
+    /// index `k` does not count the two cells at rest.
     #[inline(always)]
     pub(crate) fn at(&self, k: usize, f: f64) -> [f64; 3] {
         let [x, v, w0, w1] = self.states[k];
@@ -515,9 +515,10 @@ impl Solver {
     }
 }
 
-/// Lowers `x` at nodes where the path at constant speed would already exceed the jerk limit. Nearby
-/// nodes are lowered as well, to values that can be reached from these nodes. Otherwise the method
-/// would not converge from a start that exceeds a jerk limit many times over.
+/// Lowers `x` at nodes where the path at constant speed would already exceed the jerk limit. The
+/// nodes around them are lowered as well, to values that the motion can reach from the nodes
+/// lowered first. Otherwise the method would not converge from a start that exceeds a jerk limit
+/// many times over.
 fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
     let mut lowered = false;
     for (k, (cell, geometry)) in std::iter::zip(&mesh.cells, &mesh.geometry).enumerate() {

@@ -95,8 +95,8 @@ pub struct Planner {
     /// All limits except velocity, acceleration and jerk limits.
     limits: PathLimits,
     /// Path without the T1 speed limit of TCP and flange, and that limit in m/s; only in T1 under
-    /// Sunrise's timing. As the controller does, the planner plans without this limit, and then
-    /// slows down the section to this speed where it is faster.
+    /// Sunrise's timing. Like the controller, the planner first plans without this limit, and then
+    /// slows down each part of a section that exceeds it.
     unsupervised: Option<(JointPath, f64)>,
     /// Flag that interrupts planning.
     stop: Arc<AtomicBool>,
@@ -242,8 +242,8 @@ impl Planner {
 }
 
 impl Planner {
-    /// Plans `steps`, which are all moves, and adds their pieces (segments with times) to
-    /// `section`, which has no pieces yet.
+    /// Plans `steps`, each of which must be a move, and adds their pieces (segments with times) to
+    /// `section`, which must have no pieces yet.
     ///
     /// A section with further limits is planned without them first, for a numerical reason: with
     /// further limits, the solver uses a finer mesh and more constraints, so that even limits that
@@ -440,10 +440,10 @@ impl Planner {
             self.clock.note(&section);
             while let Some(blend) = blends.get(in_time).copied().filter(|blend| *blend < end) {
                 let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
-                // The latest time at which the arm can begin to brake for a stop before a blend is
-                // never earlier than the latest time for a stop before a preceding blend. A motion
-                // that is known before `needed_before_s` is therefore in time, and no plan with a
-                // stop is necessary.
+                // Each blend has a deadline: the latest time at which the arm can begin to brake to
+                // stop at the start of the blend. No blend has an earlier deadline than a preceding
+                // blend. A motion that is known before `needed_before_s` is therefore in time, and
+                // no plan with a stop is necessary.
                 let is_in_time = known_s <= needed_before_s - PLANS_DIFFER_S;
                 let decided = if is_in_time {
                     Decided::InTime { needed_s: needed_before_s }
@@ -472,8 +472,8 @@ impl Planner {
         }
     }
 
-    /// Decides whether the robot has to stop before the step `blend`, through which `section`
-    /// continues, because the next motion is known only at `known_s`.
+    /// Decides whether the robot has to stop before the step `blend`, given that the next motion is
+    /// known only at `known_s`. `section` is a plan that continues through this blend.
     fn decide(
         &mut self,
         blend: usize,
