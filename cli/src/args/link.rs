@@ -237,8 +237,8 @@ pub(crate) struct Run {
     #[arg(long)]
     pub(crate) as_trajectory: bool,
 
-    /// Scene with obstacles in JSON (`iiwasim schema scene`): the clearance is printed, and the
-    /// program does not run if it is below --min-clearance
+    /// Scene with obstacles in JSON (`iiwasim schema scene`): the clearance is printed, and if it
+    /// is below --min-clearance, the program does not run
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
 

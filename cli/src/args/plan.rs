@@ -16,7 +16,8 @@ use super::{
 const METHOD: &str =
     "Methods of calculation (equation numbers: Larsen 2019, see docs/equations.md)";
 
-/// Help of `--urdf`: a plan has no page.
+/// Help of `--urdf`. It differs from the help in other commands, because `plan` makes no page that
+/// shows the meshes.
 const URDF: &str = "URDF with meshes (STL, OBJ or Collada): clearances are computed with their \
     convex hulls instead of the simple shapes of the arm; needs --scene. Its joints must match the \
     robot's";
@@ -128,8 +129,8 @@ pub(crate) struct Plan {
     pub(crate) rate: f64,
 
     /// Largest MCAP file to write, such as 500MB or 5GB (CSV tables may be three times as large).
-    /// The size is estimated before writing: the trajectory of a program that lasts for months
-    /// would fill any disk
+    /// The size is estimated before writing, and a larger file is refused: the trajectory of a
+    /// program that lasts for months would fill any disk
     #[arg(long, value_name = "SIZE", default_value = "1GB")]
     pub(crate) max_file_size: ByteSize,
 

@@ -3,8 +3,8 @@
 //! **Times.** The cycle time error is that of Larsen 2019, Eq. 40: `T_s - T_r`, and its share of
 //! `T_r`, with the simulated time `T_s` and the real one `T_r`. Joint positions show when the robot
 //! leaves its start and when it arrives at its end, but not how long the program rests before and
-//! after. Therefore `T_r` is the time between these two, plus the planned rest at the start and at
-//! the end (settling and waits); `T_s` is the plan's cycle time.
+//! after. Therefore `T_r` is the time from leaving the start to arriving at the end, plus the
+//! planned rest at the start and at the end (settling and waits). `T_s` is the plan's cycle time.
 //!
 //! **Paths.** Each sample is compared with the nearest point of the planned path, regardless of
 //! time: in joint space, in rad, and for the TCP, in m. The nearest points are searched for in the
@@ -337,8 +337,8 @@ impl PassingTimes {
             }
             if to_s - from_s > noise.gap_s() {
                 losses.push(format!(
-                    "the {name} of the motion is in a gap of the recording of {:.3} s: it is \
-                     calculated from the samples of the motion next to the gap",
+                    "the {name} of the motion lies in a gap of {:.3} s in the recording: its \
+                     time is calculated from the samples of the motion next to the gap",
                     to_s - from_s
                 ));
             }
@@ -480,8 +480,9 @@ impl<'a> Finder<'a> {
     /// Returns the first sample at or beyond a planned position.
     fn sample_at(&self, plan_s: f64) -> usize {
         let places = &self.followed.place_s;
-        // Because of noise, places may decrease slightly from sample to sample. The index is then
-        // slightly wrong, which does not matter for a search range.
+        // The place of a sample is the planned time of the path point that the sample is matched
+        // to. Because of noise, it may decrease slightly from one sample to the next. The index is
+        // then slightly wrong, which does not matter for a search range.
         self.followed.first + places.partition_point(|place_s| *place_s < plan_s)
     }
 

@@ -333,8 +333,8 @@ impl JointPath {
         self.limits.first()?.supervised_m_s()
     }
 
-    /// Returns the path without the speed limit of TCP and flange that the operating mode T1
-    /// supervises, and that limit in m/s; `None` in other modes.
+    /// Returns two values: the path without the T1 speed limit of TCP and flange, and this limit in
+    /// m/s. Returns `None` in other operating modes.
     #[must_use]
     pub fn unsupervised(&self) -> Option<(Self, f64)> {
         let speed_m_s = self.t1_speed_m_s()?;
@@ -365,9 +365,9 @@ impl JointPath {
         self.carried.has_tools
     }
 
-    /// Type of a motion. In programs without tools and frames, this function returns a type only
-    /// for inputs and outputs. For all other entries it returns `None`: their type follows from
-    /// their steps.
+    /// Type of a motion. In a program without tools and frames, only inputs and outputs have a type
+    /// here. For the other entries of such a program, the function returns `None`, because their
+    /// type follows from their steps.
     #[must_use]
     pub fn motion_type(&self, motion: MotionIndex) -> Option<MotionType> {
         let of_io = self.io(motion).map(IoEntry::motion_type);

@@ -84,12 +84,14 @@ impl Planning {
         &self.figures
     }
 
-    /// Figures so far, for additions that only the caller knows, such as clearances.
+    /// Figures so far, as a mutable reference: the caller can add values that only the caller
+    /// knows, such as clearances.
     pub fn figures_mut(&mut self) -> &mut PlanFigures {
         &mut self.figures
     }
 
-    /// Final figures, with warnings about the program and its torques as messages for the user.
+    /// Final figures. They include the warnings about the program and about its torques, as
+    /// messages for the user.
     #[must_use]
     pub fn finish(mut self) -> PlanFigures {
         self.add_warnings();

@@ -135,7 +135,7 @@ impl Solver {
                 limited.push(k);
                 continue;
             }
-            // W0 and W1 of a short line between two blends are fixed at zero, and it has no rows.
+            // A short line between two blends has no rows, and its W0 and W1 are fixed at zero.
             let differs =
                 |other: Option<&Cell>| other.is_some_and(|other| other.segment != segment);
             let alone = k > 0 && differs(cells.get(k - 1)) && differs(cells.get(k + 1));
@@ -396,7 +396,8 @@ impl Solver {
                 .min(share(ratios.x, SETTINGS.largest_decrease));
             let dual = (dual_beyond * share(ratios.dual, SETTINGS.to_boundary)).min(1.0);
             // A step uses the absolute value of the Lagrangian's curvature. Where the curvature is
-            // negative, full steps can therefore cycle: after many steps, each step is halved.
+            // negative, full steps can therefore cycle. To prevent this, each step is halved after
+            // many steps.
             let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
             // The step length is zero if the relative decrease of a slack, a dual or x is infinite.
             if primal <= 0.0 || dual <= 0.0 {

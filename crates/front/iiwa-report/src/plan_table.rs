@@ -388,8 +388,8 @@ fn repeat_lines(repeats: &[RepeatRecord], width: Option<u16>) -> String {
         ]);
     });
     format!(
-        "\n{}\n\nTime of a round: from its first motion to the motion after it, with settling \
-         after stops\n",
+        "\n{}\n\nTime of a round: from the start of its first motion to the start of the motion \
+         after the round, with settling after stops\n",
         fitted(table, width)
     )
 }
