@@ -347,9 +347,10 @@ impl Solver {
         from.map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
     }
 
-    /// Coefficients of a linear function of the last cell's state. The function is zero if x falls
-    /// to zero in proportion to sigma^(4/3), with sigma counted from the stop. `None` if the
-    /// section does not end at rest.
+    /// Coefficients of a linear function of the last cell's state. The function is zero if the end
+    /// of this cell fits the cell after it, which ends at rest: in that cell, x is proportional to
+    /// s^(4/3), where s is the distance in sigma from the point of rest. `None` if the section does
+    /// not end at rest.
     fn to_rest(&self) -> Option<CellState> {
         let rest = self.rests.to.as_ref()?;
         let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * rest.length);
@@ -396,8 +397,8 @@ impl Solver {
                 .min(share(ratios.x, SETTINGS.largest_decrease));
             let dual = (dual_beyond * share(ratios.dual, SETTINGS.to_boundary)).min(1.0);
             // A step uses the absolute value of the Lagrangian's curvature. Where the curvature is
-            // negative, full steps can therefore cycle. To prevent this, each step is halved after
-            // many steps.
+            // negative, full steps can therefore cycle. To prevent this, all primal steps are
+            // halved once the number of steps exceeds `patience`.
             let primal = if step > SETTINGS.patience { 0.5 * primal } else { primal };
             // The step length is zero if the relative decrease of a slack, a dual or x is infinite.
             if primal <= 0.0 || dual <= 0.0 {
@@ -517,9 +518,9 @@ impl Solver {
 }
 
 /// Lowers `x` at nodes where the path at constant speed would already exceed the jerk limit. The
-/// nodes around them are lowered as well, to values that the motion can reach from the nodes
-/// lowered first. Otherwise the method would not converge from a start that exceeds a jerk limit
-/// many times over.
+/// nodes around such a node are lowered as well, to values that the motion can reach from this
+/// node. Otherwise the method would not converge from a start that exceeds a jerk limit many times
+/// over.
 fn lower_to_jerk(segments: &[LimitedSegment<'_>], mesh: &Mesh, x: &mut [f64]) {
     let mut lowered = false;
     for (k, (cell, geometry)) in std::iter::zip(&mesh.cells, &mesh.geometry).enumerate() {

@@ -25,8 +25,8 @@ use crate::{
 // "Further limits" are all limits other than velocity, acceleration and jerk: torque limits and
 // those of `Planner::with_limit`. Below are ratios of a value to its limit.
 
-/// A section that was planned without the further limits is kept if its values are at most this
-/// ratio of these limits.
+/// Largest ratio of a value to a further limit in a section that was planned without these limits;
+/// with a larger ratio, the section is planned again.
 const TOLERANCE: f64 = 1.005;
 
 /// If the ratio in the plan without jerk limits is at least this, the plan with jerk limits
