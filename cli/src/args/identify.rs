@@ -12,10 +12,11 @@ use super::{LogReading, log_reading::COMMANDED_PREFERRED, values::override_perce
 /// part between two stops). Limits are identified from PTP motions from rest to rest: a model is
 /// fitted to the whole motion, and nothing is differentiated, so that noise averages out. Long
 /// motions of single joints at full speed are the most useful; a motion of several joints is used
-/// only if it is clear which joint limited it. If constant jerk does not fit a motion, ramps with
-/// constant snap (the derivative of jerk), as in Sunrise's motions, are fitted. The limits of these
-/// ramps are written to `ramps` in the profile: snap limits of joints, jerk limits for starts, and
-/// jerk limits for stops. The settling time is identified from the stops between PTP motions.
+/// only if it is clear which joint limited it. If constant jerk does not fit a motion, acceleration
+/// ramps with constant snap (the derivative of jerk) are fitted instead, as in Sunrise's motions.
+/// The limits of these ramps are written to `ramps` in the profile: snap limits of joints, jerk
+/// limits for starts, and jerk limits for stops. The settling time is identified from the stops
+/// between PTP motions.
 ///
 /// kappa is a number that describes the shape of a blend. It is identified from the path alone,
 /// regardless of time: in joint space for blends between PTP motions (`blend_kappa` in the

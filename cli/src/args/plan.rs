@@ -76,8 +76,8 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 1024>)]
     pub(crate) jobs: Option<u16>,
 
-    /// Timing method: the limits and laws that determine the speed. `jerk` exceeds velocity,
-    /// acceleration and jerk limits by at most 0.1, 0.2 and 2 %
+    /// Timing method: the limits and laws that determine the speed. Plans with `--timing jerk`
+    /// exceed velocity limits by at most 0.1 %, acceleration limits by 0.2 % and jerk limits by 2 %
     #[arg(long, value_enum, default_value_t = Timing::Sunrise, help_heading = METHOD)]
     pub(crate) timing: Timing,
 
@@ -168,8 +168,8 @@ pub(crate) struct Plan {
     #[command(flatten)]
     pub(crate) ros: RosNaming,
 
-    /// Also print the assumptions about the controller that affect the cycle time; --json always
-    /// does, as `rests_on`
+    /// Also print the assumptions about the controller that affect the cycle time; the output of
+    /// --json always contains them, under the key `rests_on`
     #[arg(long)]
     pub(crate) assumptions: bool,
 

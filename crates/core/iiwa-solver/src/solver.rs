@@ -347,17 +347,18 @@ impl Solver {
         from.map(|rest| 4.0 * self.lengths[0] / (3.0 * rest.length))
     }
 
-    /// Coefficients of a linear function of the last cell's state. The function is zero if the end
-    /// of this cell fits the cell after it, which ends at rest: in that cell, x is proportional to
-    /// s^(4/3), where s is the distance in sigma from the point of rest. `None` if the section does
-    /// not end at rest.
+    /// Coefficients of a linear function of the state of the last cubic cell. The function is zero
+    /// if the end of that cell matches the start of the cell that ends at rest, in which x is
+    /// proportional to s^(4/3), where s is the distance in sigma from the point of rest. `None` if
+    /// the section does not end at rest.
     fn to_rest(&self) -> Option<CellState> {
         let rest = self.rests.to.as_ref()?;
         let slope = 4.0 * self.lengths[self.lengths.len() - 1] / (3.0 * rest.length);
         Some(std::array::from_fn(|i| EndV::ROW[i] + slope * EndX::ROW[i]))
     }
 
-    /// Sets the last W1 so that x ends at rest, if the section ends at rest.
+    /// If the section ends at rest, sets W1 of the last cubic cell so that the end of this cell
+    /// matches the cell that ends at rest.
     fn stop(&mut self) {
         if let (Some(to_rest), Some(last)) = (self.to_rest(), self.states.last_mut()) {
             riccati::come_to_rest(&to_rest, last);
