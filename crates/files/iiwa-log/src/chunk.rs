@@ -7,6 +7,7 @@ use mcap::records::{ChunkHeader, ChunkIndex, MessageHeader, MessageIndex, Messag
 
 use crate::Topic;
 use crate::compression::{self, Compressor};
+use crate::message_blocks::MessageStart;
 use crate::record::{
     MESSAGE_HEADER_BYTES, RECORD_HEADER_BYTES, append, message_header, put_channel, put_record,
     put_schema, record_header,
@@ -21,6 +22,10 @@ const KEPT_BYTES: usize = 2 * 1024 * 1024;
 #[derive(Debug)]
 pub(crate) struct Chunk {
     bytes: Vec<u8>,
+    /// Starts of the messages, and of definitions of channels.
+    starts: Vec<MessageStart>,
+    /// Start of the last message of each topic.
+    last: [Option<usize>; Topic::ALL.len()],
     indexes: [MessageIndex; Topic::ALL.len()],
     /// Earliest and latest log time.
     bounds: Option<(u64, u64)>,
@@ -44,7 +49,14 @@ impl Chunk {
     pub(crate) fn with_capacity(bytes: usize) -> Self {
         let indexes =
             Topic::ALL.map(|topic| MessageIndex { channel_id: topic.id(), records: Vec::new() });
-        Self { bytes: Vec::with_capacity(bytes), indexes, bounds: None, written: Vec::new() }
+        Self {
+            bytes: Vec::with_capacity(bytes),
+            starts: Vec::new(),
+            last: Default::default(),
+            indexes,
+            bounds: None,
+            written: Vec::new(),
+        }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -58,6 +70,7 @@ impl Chunk {
 
     /// Defines the channel of a topic; must precede its first message.
     pub(crate) fn define(&mut self, topic: Topic) -> Result<(), McapError> {
+        self.starts.push(MessageStart { at: self.bytes.len(), previous: None });
         put_schema(&mut self.bytes, topic)?;
         put_channel(&mut self.bytes, topic)
     }
@@ -88,6 +101,8 @@ impl Chunk {
     fn header(&mut self, topic: Topic, sequence: u32, time: u64, data_bytes: usize) {
         let entry = MessageIndexEntry { log_time: time, offset: self.bytes.len() as u64 };
         self.indexes[topic as usize].records.push(entry);
+        let at = self.bytes.len();
+        self.starts.push(MessageStart { at, previous: self.last[topic as usize].replace(at) });
         let (first, last) = self.bounds.unwrap_or((time, time));
         self.bounds = Some((first.min(time), last.max(time)));
         let channel_id = topic.id();
@@ -100,9 +115,9 @@ impl Chunk {
     pub(crate) fn finish(
         &mut self,
         offset: u64,
-        compressor: &mut Compressor,
+        compressor: &Compressor,
     ) -> Result<FinishedChunk<'_>, McapError> {
-        let Self { bytes, indexes, bounds, written } = self;
+        let Self { bytes, starts, last, indexes, bounds, written } = self;
         let (message_start_time, message_end_time) = bounds.take().unwrap_or_default();
         let mut header = ChunkHeader {
             message_start_time,
@@ -116,8 +131,10 @@ impl Chunk {
         written.shrink_to(KEPT_BYTES);
         put_record(written, op::CHUNK, &header)?;
         let messages_at = written.len();
-        compressor.compress(bytes, written)?;
+        compressor.compress(bytes, starts, written);
         bytes.clear();
+        starts.clear();
+        *last = Default::default();
         bytes.shrink_to(KEPT_BYTES);
         let chunk_length = written.len() as u64;
 

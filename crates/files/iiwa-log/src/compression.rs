@@ -1,34 +1,127 @@
 //! Chunk compression.
 
-use std::io::{self, Read, Write};
+use std::{
+    io::{self, Read, Write},
+    ops::Range,
+};
 
 use lz4_flex::frame::{BlockMode, BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
 use mcap::McapError;
 use mcap::records::ChunkHeader;
 use ruzstd::decoding::StreamingDecoder;
 
-/// Name in a chunk of the method that files are written with. Files are 3 to 7 % larger than at the
-/// fast levels of zstd, and 17 to 29 % larger than at its level 1; the compressor is Rust, and
-/// compiles in a second.
+use crate::message_blocks::{MessageStart, put_block};
+
+/// Name in a chunk of the method that files are written with.
 pub(crate) const METHOD: &str = "lz4";
 
-/// Compresses one chunk after the other, and reuses its memory.
-pub(crate) struct Compressor(FrameEncoder<Vec<u8>>);
+/// Largest block of a frame, in bytes.
+const MAX_BLOCK_BYTES: usize = 256 * 1024;
+
+/// Records without an earlier message of their topic that are long enough for a block of their own,
+/// in bytes: texts of schemas, and long messages.
+const SEARCHED_BYTES: usize = 4096;
+
+/// Bit of a block's length that marks uncompressed data.
+const UNCOMPRESSED: u32 = 1 << 31;
+
+/// Compresses chunks as LZ4 frames.
+pub(crate) struct Compressor {
+    /// Start of a frame.
+    frame_header: Vec<u8>,
+}
+
+/// Part of a chunk that becomes one block of the frame.
+#[derive(Debug)]
+struct Block {
+    bytes: Range<usize>,
+    /// Starts of the messages in the block, by index.
+    starts: Range<usize>,
+    /// True if an earlier message of the topic precedes most messages.
+    resembles: bool,
+}
 
 impl Compressor {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new() -> io::Result<Self> {
         let info =
             FrameInfo::new().block_mode(BlockMode::Independent).block_size(BlockSize::Max256KB);
-        Self(FrameEncoder::with_frame_info(info, Vec::new()))
+        let mut encoder = FrameEncoder::with_frame_info(info, Vec::new());
+        encoder.write_all(&[0])?;
+        encoder.try_finish()?;
+        let mut frame_header = encoder.into_inner();
+        frame_header.truncate(FRAME_HEADER_BYTES);
+        Ok(Self { frame_header })
     }
 
-    /// Appends one frame. Equal input gives equal frames.
-    pub(crate) fn compress(&mut self, bytes: &[u8], out: &mut Vec<u8>) -> io::Result<()> {
-        std::mem::swap(self.0.get_mut(), out);
-        let done = self.0.write_all(bytes).and_then(|()| Ok(self.0.try_finish()?));
-        std::mem::swap(self.0.get_mut(), out);
-        done
+    /// Appends a frame with a chunk; `starts` are those of its messages, in order. Equal input gives
+    /// equal frames.
+    #[expect(clippy::cast_possible_truncation, reason = "blocks have at most `MAX_BLOCK_BYTES`")]
+    pub(crate) fn compress(&self, chunk: &[u8], starts: &[MessageStart], out: &mut Vec<u8>) {
+        out.extend_from_slice(&self.frame_header);
+        for Block { bytes, starts: within, resembles } in blocks(chunk.len(), starts) {
+            let block = &chunk[bytes.clone()];
+            let length_at = out.len();
+            out.extend([0; BLOCK_LENGTH_BYTES]);
+            let start = out.len();
+            if resembles {
+                put_block(chunk, bytes, &starts[within], out);
+            } else {
+                out.extend(lz4_flex::block::compress(block));
+            }
+            let mut length = (out.len() - start) as u32;
+            if out.len() - start >= block.len() {
+                out.truncate(start);
+                out.extend_from_slice(block);
+                length = block.len() as u32 | UNCOMPRESSED;
+            }
+            out[length_at..start].copy_from_slice(&length.to_le_bytes());
+        }
+        // End of the frame.
+        out.extend([0; BLOCK_LENGTH_BYTES]);
     }
+}
+
+/// Bytes of the start of a frame: magic number, flags and checksum.
+const FRAME_HEADER_BYTES: usize = 7;
+
+/// Bytes of the length before each block.
+const BLOCK_LENGTH_BYTES: usize = 4;
+
+/// Divides a chunk of `length` bytes.
+fn blocks(length: usize, starts: &[MessageStart]) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut first = 0;
+    for group in starts.chunk_by(|a, b| a.previous.is_some() == b.previous.is_some()) {
+        let starts_of = first..first + group.len();
+        first = starts_of.end;
+        let end = starts.get(first).map_or(length, |next| next.at);
+        let bytes = group[0].at..end;
+        let resembles = group[0].previous.is_some();
+        match blocks.last_mut() {
+            Some(last) if last.resembles && (resembles || bytes.len() < SEARCHED_BYTES) => {
+                (last.bytes.end, last.starts.end) = (bytes.end, starts_of.end);
+            }
+            _ => blocks.push(Block { bytes, starts: starts_of, resembles }),
+        }
+    }
+    blocks.into_iter().flat_map(|block| parts(block, starts)).collect()
+}
+
+/// Divides a block that is too long, between messages if possible.
+fn parts(block: Block, starts: &[MessageStart]) -> Vec<Block> {
+    let Block { bytes, starts: within, resembles } = block;
+    let (mut at, mut first, mut parts) = (bytes.start, within.start, Vec::new());
+    while at < bytes.end {
+        let furthest = (at + MAX_BLOCK_BYTES).min(bytes.end);
+        let rest = &starts[first..within.end];
+        let fitting = rest.partition_point(|start| start.at <= furthest);
+        let between = rest[..fitting].last().map(|start| start.at).filter(|start| *start > at);
+        let end = if furthest == bytes.end { furthest } else { between.unwrap_or(furthest) };
+        let next = first + rest.partition_point(|start| start.at < end);
+        parts.push(Block { bytes: at..end, starts: first..next, resembles });
+        (at, first) = (end, next);
+    }
+    parts
 }
 
 /// Replaces `records` by the records of a chunk, and verifies their length and checksums.

@@ -36,7 +36,7 @@ impl<W: Write> Container<W> {
             sink,
             chunk: Chunk::with_capacity(chunk_bytes),
             chunk_bytes,
-            compressor: Compressor::new(),
+            compressor: Compressor::new()?,
             index: Index::default(),
         })
     }
@@ -55,7 +55,7 @@ impl<W: Write> Container<W> {
         if self.chunk.is_empty() {
             return Ok(());
         }
-        let finished = self.chunk.finish(self.sink.offset, &mut self.compressor)?;
+        let finished = self.chunk.finish(self.sink.offset, &self.compressor)?;
         self.index.chunk(&finished.index, &finished.counts)?;
         self.sink.write(finished.records)
     }

@@ -55,6 +55,7 @@ mod encoder;
 mod entry;
 mod error;
 mod joint_log;
+mod message_blocks;
 mod plan;
 mod plan_record;
 mod plan_size;
