@@ -363,8 +363,9 @@ impl Attempt {
         let cell = &self.mesh.cells[k];
         let segment = &segments[cell.segment];
         let [start, end] = [0.0, 1.0].map(|f| self.solver.at(k, f)[0]);
-        let doublings = if end > start { end / start } else { start / end }.log2();
-        let stretches = larger(self.slowness(segment, k), REFINEMENT.doublings * doublings);
+        let ratio = if end > start { end / start } else { start / end };
+        let by_ratio = REFINEMENT.ratios.iter().filter(|limit| ratio > **limit).count();
+        let stretches = larger(self.slowness(segment, k), by_ratio as f64 + 1.0);
         let mut stretches = stretches.ceil().clamp(1.0, REFINEMENT.stretches);
         if stretches == 1.0 {
             let rates = &self.rates_along(k, [0.0, 1.0]);

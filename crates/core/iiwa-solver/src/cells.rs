@@ -33,7 +33,7 @@ use crate::{
     },
     geometry::{Geometry, SigmaDerivatives},
     jerk_rows::JerkRow,
-    lanes::{LANES, Lanes, Vector, registers},
+    lanes::{LANES, Lanes, Vector, columns, registers},
     limited_segment::LimitedSegment,
     limiting_joints::LimitingJoints,
     mesh::Mesh,
@@ -425,9 +425,13 @@ impl AnyBlock<'_> {
         }
     }
 
+    /// Values of the cells, one array of lanes for each component.
     #[inline(always)]
     fn gather(&self, states: &[CellState]) -> [Lanes; 4] {
-        std::array::from_fn(|a| Lanes::from_fn(|l| states[self.cells[l]][a]))
+        let [a, b, c, d, e, f, g, h] = *self.cells;
+        let [a, b, c, d] = [&states[a], &states[b], &states[c], &states[d]];
+        let [e, f, g, h] = [&states[e], &states[f], &states[g], &states[h]];
+        columns([a, b, c, d, e, f, g, h])
     }
 
     #[inline(never)]

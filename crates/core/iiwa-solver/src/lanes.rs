@@ -34,6 +34,20 @@ pub(crate) fn registers<S: Simd>() -> usize {
     LANES / S::F64_LANES
 }
 
+/// Returns the columns of eight rows, one row for each lane.
+///
+/// Written out: closures of `array::from_fn` would be compiled without vector instructions, and
+/// lanes that are stored one by one are slow to load as a vector.
+#[inline(always)]
+pub(crate) fn columns<const N: usize>(rows: [&[f64; N]; LANES]) -> [Lanes; N] {
+    let [a, b, c, d, e, f, g, h] = rows;
+    let mut columns = [Lanes::default(); N];
+    for i in 0..N {
+        columns[i] = Lanes([a[i], b[i], c[i], d[i], e[i], f[i], g[i], h[i]]);
+    }
+    columns
+}
+
 impl Lanes {
     #[inline(always)]
     pub(crate) fn from_fn(f: impl FnMut(usize) -> f64) -> Self {

@@ -10,7 +10,7 @@ use pulp::Simd;
 
 use crate::{
     functionals::{CellState, EndV, EndX, Functional},
-    lanes::{LANES, Lanes, Vector, registers},
+    lanes::{LANES, Lanes, Vector, columns, registers},
     quadratic::Terms,
     stage_chain::{CostToGo, StageChain},
 };
@@ -93,35 +93,37 @@ impl<'a> Parts<'a> {
     #[inline(always)]
     pub(crate) fn backwards<S: Simd>(&mut self, simd: S) -> PartCost<Lanes> {
         let StageChain { lengths, quadratics, states, .. } = *self.chain;
+        let first_of_lanes = self.chain.stages.start;
         let mut cost = PartCost::default();
         let after = |a: usize| Lanes::from_fn(|l| states[self.cell(l, self.stages)][a]);
         let mut next = [after(0), after(1)];
         let mut next_length = Lanes::from_fn(|l| lengths[self.cell(l, self.stages)]);
         for stage in (0..self.stages).rev() {
-            let mut h = [Lanes::default(); 10];
-            let mut g = [Lanes::default(); 4];
-            let mut y = [Lanes::default(); 4];
-            let mut length = Lanes::default();
-            for l in 0..LANES {
-                let k = self.cell(l, stage);
-                for (lanes, value) in h.iter_mut().zip(&quadratics[k].h) {
-                    lanes.0[l] = *value;
-                }
-                for (lanes, value) in g.iter_mut().zip(&quadratics[k].g) {
-                    lanes.0[l] = *value;
-                }
-                for (lanes, value) in y.iter_mut().zip(&states[k]) {
-                    lanes.0[l] = *value;
-                }
-                length.0[l] = lengths[k];
-            }
+            let at = |l: usize| first_of_lanes + l * self.stages + stage;
+            let [q0, q1, q2, q3] = [0, 1, 2, 3].map(|l| &quadratics[at(l)]);
+            let [q4, q5, q6, q7] = [4, 5, 6, 7].map(|l| &quadratics[at(l)]);
+            let h = &columns([&q0.h, &q1.h, &q2.h, &q3.h, &q4.h, &q5.h, &q6.h, &q7.h]);
+            let g = &columns([&q0.g, &q1.g, &q2.g, &q3.g, &q4.g, &q5.g, &q6.g, &q7.g]);
+            let [y0, y1, y2, y3] = [0, 1, 2, 3].map(|l| &states[at(l)]);
+            let [y4, y5, y6, y7] = [4, 5, 6, 7].map(|l| &states[at(l)]);
+            let y = columns([y0, y1, y2, y3, y4, y5, y6, y7]);
+            let length = Lanes([
+                lengths[at(0)],
+                lengths[at(1)],
+                lengths[at(2)],
+                lengths[at(3)],
+                lengths[at(4)],
+                lengths[at(5)],
+                lengths[at(6)],
+                lengths[at(7)],
+            ]);
             let gain = &mut self.gains[stage];
             for r in 0..registers::<S>() {
                 let mut sum = Terms::new(simd);
-                for (vector, lanes) in sum.h.iter_mut().zip(&h) {
+                for (vector, lanes) in sum.h.iter_mut().zip(h) {
                     *vector = lanes.load(simd, r);
                 }
-                for (vector, lanes) in sum.g.iter_mut().zip(&g) {
+                for (vector, lanes) in sum.g.iter_mut().zip(g) {
                     *vector = lanes.load(simd, r);
                 }
                 let state = &load(simd, r, &y);

@@ -149,8 +149,9 @@ pub(crate) struct RefinementSettings {
     pub(crate) abrupt: f64,
     /// Maximum number of stretches of a cell that are checked separately.
     pub(crate) stretches: f64,
-    /// Stretches for each doubling of x in a cell.
-    pub(crate) doublings: f64,
+    /// Ratios of x at both ends of a cell above each of which the check divides the cell into one
+    /// more stretch: powers of `2^(4/3)`.
+    pub(crate) ratios: [f64; 3],
     /// Duration above which a cell is slow and is checked more finely, relative to the time in
     /// which jerk builds up acceleration.
     pub(crate) slow: f64,
@@ -220,14 +221,14 @@ pub(crate) const SETTINGS: SolverSettings = SolverSettings {
         to_boundary: 0.98,
         largest_decrease: 0.8,
         min_share: 0.02,
-        beyond: [5.0, 10.0],
+        beyond: [8.0, 10.0],
         start_jerk: 1.0,
         start_growth: 0.3,
-        cold: WarmStart { mu: 0.3, slack: 0.5, kept: 1.0 },
+        cold: WarmStart { mu: 1.0, slack: 0.5, kept: 1.0 },
         centring: [(0.9, 0.05), (0.5, 0.15), (0.2, 0.4)],
         min_mu: 0.2,
         gap: 3e-5,
-        first_gap: 1e-3,
+        first_gap: 3e-4,
         last_gap: 1e-6,
         residual: 1e-4,
         last_step: 0.4,
@@ -244,12 +245,12 @@ pub(crate) const SETTINGS: SolverSettings = SolverSettings {
         early: ByKind::from_array([1.0003, 1.0008, 1.01]),
         target: ByKind::from_array([0.9998, 1.0, 1.01]),
         rows: RowSettings { tolerance: 1.006, early: 1.003, target: 1.0 },
-        close: WarmStart { mu: 1e-5, slack: 1e-3, kept: 10.0 },
+        close: WarmStart { mu: 1e-5, slack: 3e-4, kept: 10.0 },
         cautious: WarmStart { mu: 1e-3, slack: 1e-3, kept: 1.0 },
         far: WarmStart { mu: 1e-2, slack: 1e-2, kept: 1.0 },
         abrupt: 1.3,
         stretches: 4.0,
-        doublings: 0.75,
+        ratios: [2.519_842_1, 6.349_604_2, 16.0],
         slow: 0.9,
         missed: 1e-3,
         rounds: 8,
@@ -261,7 +262,7 @@ pub(crate) const SETTINGS: SolverSettings = SolverSettings {
             AttemptSettings { refinement: 1.7, is_safe: false, is_cautious: true },
             AttemptSettings { refinement: 2.5, is_safe: true, is_cautious: true },
         ],
-        start: 0.7,
+        start: 0.95,
     },
     window: WindowSettings { around: 1, stops: 1.0 },
 };
