@@ -2,39 +2,25 @@
 //! one stop to the next.
 
 use std::{
+    num::NonZero,
     ops::Range,
     sync::{Arc, atomic::AtomicBool},
+    thread,
 };
 
 use iiwa_kin::Joints;
 use iiwa_path::{JointPath, Step};
 
 use crate::{
-    jerk::{self, JerkTiming},
     known_in_time::{is_early, needed_s},
-    limit_usage::SATURATED_ROW,
     overlapping_waits::{ProgramClock, Standing, waits_before_blend},
     path_limit::PathLimit,
-    path_limits::{PathLimits, StepLimits, largest_share},
-    section::{LateBlend, PieceKind, Section},
-    section_sweep::{Moves, SAMPLES_BEFORE_JERK, SweepScratch, sweep_moves},
-    spline_speed,
+    planned_ahead::PlannedAhead,
+    section::{LateBlend, Section},
+    section_planner::SectionPlanner,
+    section_sweep::SweepScratch,
     timing::{Timing, TimingError},
 };
-
-// "Further limits" are all limits other than velocity, acceleration and jerk: torque limits and
-// those of `Planner::with_limit`. Below are ratios of a value to its limit.
-
-/// Largest ratio of a value to a further limit in a section that was planned without these limits;
-/// with a larger ratio, the section is planned again.
-const TOLERANCE: f64 = 1.005;
-
-/// If the ratio in the plan without jerk limits is at least this, the plan with jerk limits
-/// probably exceeds the further limit, too.
-const LIKELY: f64 = 1.03;
-
-/// Largest ratio in a section planned with further limits; above it, planning fails.
-const MAX_RATIO: f64 = 1.01;
 
 /// Margin in s for comparing times of plans that cover different numbers of moves. It is generous:
 /// in the moves that both plans cover, times differ by nanoseconds only.
@@ -54,8 +40,8 @@ enum Decided {
     TooLate(Box<Section>),
 }
 
-/// Iterator that plans a path section by section. Each section is planned when the caller asks for
-/// it, and is not kept.
+/// Iterator that plans a path section by section. Sections are planned shortly before the caller
+/// asks for them, those of long paths on all cores, and are not kept.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -79,10 +65,13 @@ enum Decided {
 /// ```
 #[derive(Debug)]
 pub struct Planner {
-    path: JointPath,
+    sections: SectionPlanner,
     timing: Timing,
-    /// Jerk limits of the timing, if it has any.
-    jerk: Option<JerkTiming>,
+    /// Number of threads, if the caller has chosen it.
+    threads: Option<usize>,
+    /// Sections that other threads plan; `None` before the first section of a path, and if all
+    /// sections are planned on the caller's thread.
+    ahead: Option<PlannedAhead>,
     /// Index of the next step of the path.
     step: usize,
     time_s: f64,
@@ -92,63 +81,30 @@ pub struct Planner {
     clock: ProgramClock,
     /// Buffers of the sweep (the backward and forward pass under velocity and acceleration limits).
     scratch: SweepScratch,
-    /// All limits except velocity, acceleration and jerk limits.
-    limits: PathLimits,
-    /// Path without the T1 speed limit of TCP and flange, and that limit in m/s; only in T1 under
-    /// Sunrise's timing. Like the controller, the planner first plans without this limit, and then
-    /// slows down each part of a section that exceeds it.
-    unsupervised: Option<(JointPath, f64)>,
-    /// Flag that interrupts planning.
-    stop: Arc<AtomicBool>,
 }
 
 impl Planner {
     /// Creates a planner for `path`.
     #[must_use]
     pub fn new(path: &JointPath, timing: Timing) -> Self {
-        let (samples, jerk) = match timing {
-            Timing::Acceleration(options) => (options.samples.max(2), None),
-            Timing::Jerk(options) | Timing::Sunrise(options) => {
-                let sunrise = matches!(timing, Timing::Sunrise(_));
-                (SAMPLES_BEFORE_JERK, Some(JerkTiming { options, sunrise }))
-            }
-        };
-        let mut planner = Self {
-            path: path.clone(),
+        let sections = SectionPlanner::new(path, timing);
+        Self {
+            scratch: sections.scratch(),
+            sections,
             timing,
-            jerk,
+            threads: None,
+            ahead: None,
             step: 0,
             time_s: 0.0,
             rest_rad: *path.start_rad(),
             clock: ProgramClock::default(),
-            scratch: SweepScratch::new(samples),
-            limits: PathLimits::default(),
-            unsupervised: None,
-            stop: Arc::default(),
-        };
-        planner.limit_as_sunrise();
-        planner
-    }
-
-    /// Applies Sunrise's limits to the path. The speed of a LIN or CIRC motion from rest to rest is
-    /// limited to the length of the motion divided by `least_cruise_s`. Recorded PTP motions and
-    /// splines show this limit; for LIN and CIRC, it is an assumption. Even a very short motion
-    /// therefore takes at least `least_cruise_s` plus the time of its ramps. In T1, the function
-    /// also stores the path without the T1 speed limit, in `unsupervised`.
-    fn limit_as_sunrise(&mut self) {
-        self.unsupervised = None;
-        if let Some(JerkTiming { sunrise: true, .. }) = self.jerk {
-            let min_cruise_s = self.path.ramp_law().least_cruise_s;
-            let slower = |path: JointPath| path.with_least_cruise(min_cruise_s).unwrap_or(path);
-            self.unsupervised = self.path.unsupervised().map(|(path, speed)| (slower(path), speed));
-            self.path = slower(self.path.clone());
         }
     }
 
     /// Returns the path.
     #[must_use]
     pub fn path(&self) -> &JointPath {
-        &self.path
+        &self.sections.path
     }
 
     /// Returns the timing.
@@ -160,17 +116,27 @@ impl Planner {
     /// Restarts with `path`, under the same timing and limits. The memory of the planner is reused,
     /// which for many programs is faster than a new planner for each.
     pub fn restart(&mut self, path: &JointPath) {
-        (self.path, self.rest_rad) = (path.clone(), *path.start_rad());
+        self.sections.set_path(path);
+        self.ahead = None;
+        self.rest_rad = *path.start_rad();
         (self.step, self.time_s) = (0, 0.0);
         self.clock = ProgramClock::default();
-        self.limit_as_sunrise();
     }
 
     /// Uses `stop` as the flag that interrupts planning. Soon after the caller has set the flag to
     /// true, planning ends with [`TimingError::Interrupted`], even in the middle of a section.
     #[must_use]
     pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
-        self.stop = stop;
+        self.sections.stop = stop;
+        self
+    }
+
+    /// Sets the number of threads that plan the sections of a long path under jerk limits: by
+    /// default one per core, or none besides the caller's within a rayon pool, whose threads have
+    /// work of their own. The result does not depend on it.
+    #[must_use]
+    pub fn with_threads(mut self, threads: usize) -> Self {
+        self.threads = Some(threads);
         self
     }
 
@@ -230,101 +196,14 @@ impl Planner {
     /// ```
     #[must_use]
     pub fn with_limit(mut self, limit: Arc<dyn PathLimit>) -> Self {
-        self.limits.add(limit);
+        self.sections.limits.add(limit);
         self
     }
 
     /// Returns the share of the path's steps that are planned, 0 to 1.
     #[must_use]
     pub fn progress(&self) -> f64 {
-        self.step as f64 / self.path.steps().len().max(1) as f64
-    }
-}
-
-impl Planner {
-    /// Plans `steps`, each of which must be a move, and adds their pieces (segments with times) to
-    /// `section`, which must have no pieces yet.
-    ///
-    /// A section with further limits is planned without them first, for a numerical reason: with
-    /// further limits, the solver uses a finer mesh and more constraints, so that even limits that
-    /// are never reached change the last digits. A section in which no further limit is active has
-    /// to equal the plan without them to the last bit.
-    fn plan_moves(
-        &mut self,
-        steps: Range<usize>,
-        section: &mut Section,
-    ) -> Result<(), TimingError> {
-        let limits = self.limits.of_steps(&section.path, steps.clone());
-        self.sweep(&[], steps.clone(), section)?;
-        if limits.is_empty() {
-            return self.limit_jerk(&[], section);
-        }
-        let (first, acceleration_jumps) = (steps.start, self.jerk.is_none());
-        // The solver for jerk limits takes almost all of the time. If the plan without jerk limits
-        // exceeds a further limit clearly, the plan with jerk limits would probably be discarded:
-        // it is skipped.
-        let is_excess_likely =
-            !acceleration_jumps && largest_share(section, first, &limits, true) >= LIKELY;
-        let is_kept = |section: &Section| {
-            largest_share(section, first, &limits, acceleration_jumps) <= TOLERANCE
-        };
-        if !is_excess_likely {
-            self.limit_jerk(&[], section)?;
-            if is_kept(section) {
-                return Ok(());
-            }
-        }
-        let mut limited = Section { pieces: Vec::new(), nodes: Vec::new(), ..section.clone() };
-        self.sweep(&limits, steps, &mut limited)?;
-        self.limit_jerk(&limits, &mut limited)?;
-        let reached = limited
-            .pieces
-            .iter()
-            .filter_map(|piece| Some((piece.motion, piece.usage.largest_row()?)));
-        // A NaN ratio counts as the largest, and is rejected below.
-        let reached = reached.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
-        let Some((motion, (limit, ratio))) = reached else { return Ok(()) };
-        if is_excess_likely && ratio < SATURATED_ROW {
-            // No further limit became active, contrary to the estimate.
-            self.limit_jerk(&[], section)?;
-            if is_kept(section) {
-                return Ok(());
-            }
-        }
-        if ratio.is_nan() || ratio > MAX_RATIO {
-            return Err(TimingError::LimitExceeded { motion, limit, ratio });
-        }
-        *section = limited;
-        Ok(())
-    }
-
-    /// Adds the moves of `steps` to `section`, under velocity and acceleration limits and
-    /// further `limits`.
-    fn sweep(
-        &mut self,
-        limits: &[StepLimits],
-        steps: Range<usize>,
-        section: &mut Section,
-    ) -> Result<(), TimingError> {
-        let moves = Moves { steps, ends: [None; 2], limits };
-        sweep_moves(&moves, &mut self.scratch, &self.stop, section)
-    }
-
-    /// Limits the jerk of a swept section (one planned under velocity and acceleration limits), if
-    /// the timing has jerk limits. Under Sunrise's timing, splines follow the spline model instead.
-    fn limit_jerk(&self, limits: &[StepLimits], section: &mut Section) -> Result<(), TimingError> {
-        let Some(timing) = self.jerk else { return Ok(()) };
-        let is_spline = !section.pieces.is_empty()
-            && section.pieces.iter().all(|piece| piece.kind == PieceKind::Spline);
-        // Under Sunrise's timing, splines follow the model of their speed where it has a solution.
-        if timing.sunrise
-            && is_spline
-            && limits.is_empty()
-            && spline_speed::limit(section, timing.options, &self.stop)?
-        {
-            return Ok(());
-        }
-        jerk::limit(section, limits, timing, &self.stop)
+        self.step as f64 / self.sections.path.steps().len().max(1) as f64
     }
 }
 
@@ -332,13 +211,13 @@ impl Iterator for Planner {
     type Item = Result<Section, TimingError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.step == self.path.steps().len() {
+        if self.step == self.sections.path.steps().len() {
             return None;
         }
         let planned = self.plan_section();
         // The iterator ends after an error.
         if planned.is_err() {
-            self.step = self.path.steps().len();
+            self.step = self.sections.path.steps().len();
         }
         Some(planned)
     }
@@ -350,19 +229,20 @@ impl Planner {
         let first = self.step;
         if first == 0 {
             // Once, before the caller gets any section of the path.
-            self.limits.check(&self.path)?;
+            self.sections.limits.check(&self.sections.path)?;
+            self.start_ahead();
         }
-        let overlaps = !self.path.overlapping_waits().is_empty();
-        let moves_end =
-            first + self.path.steps()[first..].iter().take_while(|step| step.moves()).count();
+        let overlaps = self.overlaps();
+        let moves_end = first
+            + self.sections.path.steps()[first..].iter().take_while(|step| step.moves()).count();
         let (mut section, stop_step) = if overlaps {
             self.plan_known_moves(first..moves_end)?
         } else {
-            (self.plan_to(first..moves_end)?, moves_end)
+            (self.plan_to_stop(first..moves_end)?, moves_end)
         };
-        let steps = &self.path.steps()[stop_step..];
+        let steps = &self.sections.path.steps()[stop_step..];
         let end = stop_step + steps.iter().take_while(|step| !step.moves()).count();
-        let still_s = self.still_s();
+        let still_s = self.sections.still_s();
         if overlaps {
             let mut standing = Standing { still_s, clock: &mut self.clock };
             if stop_step < moves_end {
@@ -381,38 +261,48 @@ impl Planner {
         Ok(section)
     }
 
-    /// Returns the duration of a motion without displacement, in s: `least_cruise_s` under
-    /// Sunrise's timing, otherwise 0.
-    fn still_s(&self) -> f64 {
-        match self.jerk {
-            Some(JerkTiming { sunrise: true, .. }) => self.path.ramp_law().least_cruise_s,
-            _ => 0.0,
+    /// Returns true if waits overlap motions: a section then depends on the times before it.
+    fn overlaps(&self) -> bool {
+        !self.sections.path.overlapping_waits().is_empty()
+    }
+
+    /// Lets other threads plan the sections, if that is of use.
+    fn start_ahead(&mut self) {
+        let threads = || match self.threads {
+            Some(threads) => threads,
+            None if rayon::current_thread_index().is_some() => 1,
+            None => thread::available_parallelism().map_or(1, NonZero::get),
+        };
+        self.ahead = if self.sections.limits_jerk() && !self.overlaps() {
+            PlannedAhead::new(&self.sections, threads)
+        } else {
+            None
+        };
+    }
+
+    /// Plans the section of these moves up to the next stop of the path, without the standstill
+    /// there, or takes it from the thread that has planned it.
+    fn plan_to_stop(&mut self, moves: Range<usize>) -> Result<Section, TimingError> {
+        let ahead = self.ahead.as_mut().filter(|_| !moves.is_empty());
+        match ahead.and_then(|ahead| ahead.take(&self.sections, &moves)) {
+            Some(section) => Ok(self.placed(section?)),
+            None => self.plan_to(moves),
         }
     }
 
     /// Plans the section of these moves, without the standstill after them.
     fn plan_to(&mut self, moves: Range<usize>) -> Result<Section, TimingError> {
-        let mut section = Section {
-            path: self.path.clone(),
-            start_s: self.time_s,
-            rest_rad: match self.path.steps()[moves.clone()].last() {
-                Some(Step::Move { segment, .. }) => segment.at(1.0).q,
-                _ => self.rest_rad,
-            },
-            pieces: Vec::with_capacity(moves.len() + 1),
-            nodes: Vec::new(),
-            late_blend: None,
-        };
-        match self.unsupervised {
-            None => self.plan_moves(moves, &mut section)?,
-            Some((ref unsupervised, speed_m_s)) => {
-                section.path = unsupervised.clone();
-                self.plan_moves(moves, &mut section)?;
-                section.hold_speed(speed_m_s);
-                section.path = self.path.clone();
-            }
+        let section = self.sections.plan(moves, &mut self.scratch)?;
+        Ok(self.placed(section))
+    }
+
+    /// Places a planned section at the present time.
+    fn placed(&self, mut section: Section) -> Section {
+        section.place(self.time_s);
+        if section.pieces.is_empty() {
+            section.rest_rad = self.rest_rad;
         }
-        Ok(section)
+        section
     }
 
     /// Plans these moves up to the first blend whose next motion becomes known too late; the robot
@@ -426,7 +316,7 @@ impl Planner {
         /// Minimum number of blends that are planned beyond those known to be in time.
         const AHEAD: usize = 2;
         let delays = |step: &usize| {
-            waits_before_blend(&self.path, *step).iter().any(|wait| wait.seconds > 0.0)
+            waits_before_blend(&self.sections.path, *step).iter().any(|wait| wait.seconds > 0.0)
         };
         // The first move needs no decision, because the section begins at rest. It is a blend if
         // the previous section stopped before a blend whose next motion came too late.
@@ -439,7 +329,7 @@ impl Planner {
             let section = self.plan_to(moves.start..end)?;
             self.clock.note(&section);
             while let Some(blend) = blends.get(in_time).copied().filter(|blend| *blend < end) {
-                let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
+                let known_s = self.clock.known_s(waits_before_blend(&self.sections.path, blend));
                 // Each blend has a deadline: the latest time at which the arm can begin to brake to
                 // stop at the start of the blend. No blend has an earlier deadline than a preceding
                 // blend. A motion that is known before `needed_before_s` is therefore in time, and
@@ -457,7 +347,8 @@ impl Planner {
                     // With the stop, motions may begin some nanoseconds earlier or later than
                     // without it.
                     self.clock.note(&stopped);
-                    let known_s = self.clock.known_s(waits_before_blend(&self.path, blend));
+                    let known_s =
+                        self.clock.known_s(waits_before_blend(&self.sections.path, blend));
                     if let Some(late) = &mut stopped.late_blend {
                         late.known_s = known_s;
                     }
@@ -486,7 +377,7 @@ impl Planner {
         let Some(piece) = section.pieces.iter().position(|piece| piece.step == blend) else {
             return Ok(in_time);
         };
-        if is_early(section, piece, known_s, &self.limits) {
+        if is_early(section, piece, known_s, &self.sections.limits) {
             return Ok(in_time);
         }
         let first = section.pieces[0].step;
@@ -495,7 +386,7 @@ impl Planner {
         if known_s <= needed_s {
             return Ok(Decided::InTime { needed_s });
         }
-        if let Step::Move { blend: Some(corner), .. } = &self.path.steps()[blend] {
+        if let Step::Move { blend: Some(corner), .. } = &self.sections.path.steps()[blend] {
             stopped.late_blend = Some(LateBlend { after_motion: corner.motion, known_s, needed_s });
         }
         Ok(Decided::TooLate(Box::new(stopped)))

@@ -376,6 +376,44 @@ impl Section {
         })
     }
 
+    /// Calls `add` with states along a piece in motion and with their weights in an integral over
+    /// time, in s: Simpson's rule over spans in each of which the robot moves by at most `max_rad`
+    /// along the path.
+    ///
+    /// Two spans share the state between them, unless the acceleration jumps there: `add` then
+    /// receives the states before and after the jump.
+    pub(crate) fn integrate(&self, piece: &Piece, max_rad: f64, mut add: impl FnMut(&State, f64)) {
+        let Some(segment) = self.segment(piece) else { return };
+        // sigma is scaled such that no joint turns by much more than sigma.
+        let length_rad = segment.sigma_length_rad();
+        let nodes = self.nodes(piece);
+        // Weight of the next state by the span before it.
+        let mut before_s = 0.0;
+        for (index, pair) in nodes.windows(2).enumerate() {
+            let (from, to) = (&pair[0], &pair[1]);
+            let start_s = self.start_s + from.t_s;
+            let at = |dt_s: f64| self.state(start_s + dt_s, piece, segment, from, to);
+            let spans = (from.dp * length_rad / max_rad).ceil().max(1.0);
+            let step_s = from.dt_s / spans;
+            for span in (0_u32..).map(f64::from).take_while(|span| *span < spans) {
+                add(&at(span * step_s), before_s + step_s / 6.0);
+                add(&at((span + 0.5) * step_s), step_s * (4.0 / 6.0));
+                before_s = step_s / 6.0;
+            }
+            let jumps = nodes.get(index + 2).is_none_or(|after| {
+                let [before, after] = [
+                    interval::progress(from.dt_s, from, to).u,
+                    interval::progress(0.0, to, after).u,
+                ];
+                (after - before).abs() > JUMP * before.abs().max(after.abs())
+            });
+            if jumps {
+                add(&at(from.dt_s), before_s);
+                before_s = 0.0;
+            }
+        }
+    }
+
     /// Returns the state of a piece at rest.
     pub(crate) fn resting_in(&self, piece: &Piece) -> State {
         self.resting(piece.start_s, piece.motion, piece.step)
@@ -398,6 +436,34 @@ impl Section {
         self.stand(PieceKind::Settle, motion, step, still_s);
         let pause_s = self.pause_s(blocking);
         self.stand(PieceKind::Settle, motion, step, pause_s);
+    }
+
+    /// Moves a section of moves that was planned from time 0 to `start_s`.
+    ///
+    /// Late in a program, short intervals are lost in the rounding of absolute times: the nodes are
+    /// then moved by the least that keeps the times increasing.
+    pub(crate) fn place(&mut self, start_s: f64) {
+        self.start_s = start_s;
+        let increases = |pair: &[Node]| start_s + pair[1].t_s > start_s + pair[0].t_s;
+        let nodes = |piece: &Piece| &self.nodes[piece.nodes.clone()];
+        if !self.pieces.iter().all(|piece| nodes(piece).windows(2).all(increases)) {
+            let mut t_s = 0.0;
+            for piece in &self.pieces {
+                let nodes = &mut self.nodes[piece.nodes.clone()];
+                for index in 0..nodes.len() {
+                    nodes[index].t_s = t_s;
+                    if index + 1 < nodes.len() {
+                        t_s = interval::later(start_s, t_s, nodes[index].dt_s);
+                    }
+                }
+            }
+        }
+        for piece in &mut self.pieces {
+            if let [first, .., last] = &self.nodes[piece.nodes.clone()] {
+                [piece.start_s, piece.end_s] = [first.t_s, last.t_s].map(|t_s| start_s + t_s);
+                piece.duration_s = last.t_s - first.t_s;
+            }
+        }
     }
 
     /// Returns the duration of the standstill at the end of a motion, in s.
@@ -465,6 +531,10 @@ impl Section {
 pub(crate) fn pause_s(robot: &Robot, blocking: bool) -> f64 {
     if blocking { robot.blocking_pause_s() } else { robot.settle_time_s() }
 }
+
+/// Relative change of d2p/dt2 at a node that counts as a jump of the acceleration: far above the
+/// rounding of continuous accelerations, far below any change of the torques that matters.
+const JUMP: f64 = 1e-6;
 
 /// Halvings after which only rounding is left of an interval.
 const HALVINGS: usize = 60;

@@ -49,13 +49,12 @@ pub struct TorqueFigures {
     pub peak_power_at_s: f64,
 }
 
-/// Lobatto's rule with four points. It includes both ends: where torques jump, their extreme values
-/// are there.
-const SHARES: [f64; 4] = [0.0, 0.276_393_202_250_021, 0.723_606_797_749_979, 1.0];
-const WEIGHTS: [f64; 4] = [1.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 1.0 / 12.0];
-
 /// Largest joint rotation between two instants at which torques are computed, in rad.
 const MAX_RAD: f64 = 0.05;
+
+/// Rotation of a joint after which its gravity torques are computed again, in rad. At an extreme
+/// value of a gravity torque, half of this rotation changes the torque by less than 0.01 %.
+const GRAVITY_RAD: f64 = 0.02;
 
 impl Trajectory {
     /// Returns the torques at `t_s`, with the payload at that time and the installation of the
@@ -120,12 +119,19 @@ impl Trajectory {
     }
 }
 
-impl Section {
-    /// Returns the joint torques in a state of this section, including friction if the robot
-    /// profile has any, in Nm.
-    #[must_use]
-    pub fn torque_nm(&self, state: &State) -> Joints {
-        exerted(&self.path().dynamics(state.motion), state)
+/// Joint torques in one state of a trajectory after the other. The equations of motion are kept
+/// until the next motion.
+#[derive(Clone, Debug, Default)]
+pub struct MotionDynamics(Option<(MotionIndex, Dynamics)>);
+
+impl MotionDynamics {
+    /// Returns the joint torques in a state of a section, including friction if the robot profile
+    /// has any, in Nm. All sections must belong to one path.
+    pub fn torque_nm(&mut self, section: &Section, state: &State) -> Joints {
+        let kept = self.0.take().filter(|(motion, _)| *motion == state.motion);
+        let new = || (state.motion, section.path().dynamics(state.motion));
+        let (_, dynamics) = self.0.insert(kept.unwrap_or_else(new));
+        exerted(dynamics, state)
     }
 }
 
@@ -136,6 +142,11 @@ fn exerted(dynamics: &Dynamics, state: &State) -> Joints {
     std::array::from_fn(|j| rigid[j] + friction[j])
 }
 
+/// Returns `true` if a joint differs by more than `GRAVITY_RAD`.
+fn is_apart(a: &Joints, b: &Joints) -> bool {
+    a.iter().zip(b).any(|(a, b)| (a - b).abs() > GRAVITY_RAD)
+}
+
 /// Instants of a motion with their weights in an integral over time, in s.
 #[derive(Default)]
 struct WeightedInstants {
@@ -143,33 +154,29 @@ struct WeightedInstants {
     weight_s: Vec<f64>,
     velocity: Vec<Joints>,
     torque: Vec<Joints>,
-    /// Gravity torques at the same poses, at rest; ends of spans are left out, since gravity
-    /// torques are continuous.
+    /// Gravity torques at the first and the last pose, and whenever a joint has turned by
+    /// `GRAVITY_RAD`.
     gravity: Vec<Joints>,
 }
 
 impl WeightedInstants {
     fn of(section: &Section, pieces: &[Piece], dynamics: &Dynamics) -> Self {
         let (mut samples, mut q, mut ddq) = (Self::default(), Vec::new(), Vec::new());
-        let mut poses = Vec::new();
+        let mut poses: Vec<Joints> = Vec::new();
         let mut add = |state: &State, weight_s: f64| {
             samples.t_s.push(state.t_s);
             samples.weight_s.push(weight_s);
             samples.velocity.push(state.dq);
             q.push(state.q);
             ddq.push(state.ddq);
+            if poses.last().is_none_or(|last| is_apart(last, &state.q)) {
+                poses.push(state.q);
+            }
         };
         for piece in pieces {
-            for (duration_s, states) in section.spans_of(piece, &SHARES, MAX_RAD) {
-                poses.extend(states[..3].iter().map(|state| state.q));
-                for (state, weight) in states.iter().zip(WEIGHTS) {
-                    add(state, weight * duration_s);
-                }
-            }
+            section.integrate(piece, MAX_RAD, &mut add);
             if !piece.kind.moves() {
-                let state = section.resting_in(piece);
-                poses.push(state.q);
-                add(&state, 0.0);
+                add(&section.resting_in(piece), 0.0);
             }
         }
         poses.extend(q.last());

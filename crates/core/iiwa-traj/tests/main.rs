@@ -16,4 +16,5 @@ mod spline_speed;
 mod stamps;
 mod sunrise;
 mod t1;
+mod threads;
 mod tool_limits;

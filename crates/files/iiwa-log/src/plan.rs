@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_plan::{Plan, PlanFigures};
-use iiwa_traj::{Section, State};
+use iiwa_traj::{MotionDynamics, Section, State};
 use serde_json::Value;
 
 use crate::arm::Arm;
@@ -63,6 +63,7 @@ impl Default for PlanConfig {
 pub struct PlanWriter<W: Write> {
     writer: Writer<W>,
     arm: Arm,
+    dynamics: MotionDynamics,
     rate_hz: f64,
     /// Number of joint states written so far.
     ticks: u64,
@@ -83,11 +84,11 @@ struct ArmInstant {
 }
 
 impl ArmInstant {
-    fn of(section: &Section, t_s: f64) -> Self {
+    fn of(section: &Section, t_s: f64, dynamics: &mut MotionDynamics) -> Self {
         let state = section.at(t_s);
         let path = section.path();
         let tcp = path.has_tools().then(|| *path.tcp(state.motion));
-        Self { state, torque_nm: section.torque_nm(&state), tcp }
+        Self { state, torque_nm: dynamics.torque_nm(section, &state), tcp }
     }
 }
 
@@ -107,6 +108,7 @@ impl<W: Write> PlanWriter<W> {
         Ok(Self {
             writer,
             arm,
+            dynamics: MotionDynamics::default(),
             rate_hz: config.rate_hz,
             ticks: 0,
             part: TrajectoryMessage::new()?,
@@ -145,7 +147,8 @@ impl<W: Write> PlanWriter<W> {
                 };
                 self.writer.motion(duration(piece.start_s), &motion)?;
             } else if t_s < section.end_s() {
-                self.sample(&ArmInstant::of(section, t_s))?;
+                let instant = ArmInstant::of(section, t_s, &mut self.dynamics);
+                self.sample(&instant)?;
                 self.ticks += 1;
             } else {
                 break;
@@ -156,7 +159,7 @@ impl<W: Write> PlanWriter<W> {
         for state in section.states() {
             self.node(&state)?;
         }
-        self.last = Some(ArmInstant::of(section, section.end_s()));
+        self.last = Some(ArmInstant::of(section, section.end_s(), &mut self.dynamics));
         Ok(())
     }
 

@@ -6,7 +6,7 @@ mod row;
 
 use std::io::{self, Write};
 
-use iiwa_traj::Section;
+use iiwa_traj::{MotionDynamics, Section};
 
 use row::{PlanRow, names};
 
@@ -30,6 +30,7 @@ pub struct PlanTable<W: Write> {
     rate_hz: f64,
     /// `true` if the numbers of a CSV table have all digits.
     is_exact: bool,
+    dynamics: MotionDynamics,
     /// Number of rows so far.
     ticks: u64,
     /// End of the last section.
@@ -66,7 +67,14 @@ impl<W: Write> PlanTable<W> {
     }
 
     fn new(sheet: Sheet<W>, rate_hz: f64) -> Self {
-        Self { sheet, rate_hz, is_exact: false, ticks: 0, end: None }
+        Self {
+            sheet,
+            rate_hz,
+            is_exact: false,
+            dynamics: MotionDynamics::default(),
+            ticks: 0,
+            end: None,
+        }
     }
 }
 
@@ -102,10 +110,10 @@ impl<W: Write + Send> PlanTable<W> {
             if t_s >= section.end_s() {
                 break;
             }
-            self.sheet.push(&PlanRow::at(section, t_s), self.is_exact)?;
+            self.sheet.push(&PlanRow::at(section, t_s, &mut self.dynamics), self.is_exact)?;
             self.ticks += 1;
         }
-        self.end = Some(PlanRow::at(section, section.end_s()));
+        self.end = Some(PlanRow::at(section, section.end_s(), &mut self.dynamics));
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Row of a plan table.
 
-use iiwa_traj::Section;
+use iiwa_traj::{MotionDynamics, Section};
 
 /// Time since the start, number of the motion, and all further columns.
 #[derive(Clone, Copy, Debug)]
@@ -24,12 +24,12 @@ pub(super) fn names() -> impl Iterator<Item = String> {
 
 impl PlanRow {
     /// Returns the row at a time.
-    pub(super) fn at(section: &Section, t_s: f64) -> Self {
+    pub(super) fn at(section: &Section, t_s: f64, dynamics: &mut MotionDynamics) -> Self {
         let state = section.at(t_s);
         let path = section.path();
         let tcp = path.robot().flange_pose(&state.q).then(path.tcp(state.motion));
         let mut values = [0.0; 34];
-        let torque_nm = section.torque_nm(&state);
+        let torque_nm = dynamics.torque_nm(section, &state);
         let parts: [&[f64]; 6] =
             [&state.q, &state.dq, &state.ddq, &tcp.position_m, &tcp.abc_rad(), &torque_nm];
         for (value, part) in values.iter_mut().zip(parts.into_iter().flatten()) {
