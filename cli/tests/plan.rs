@@ -493,7 +493,7 @@ fn assumed_limits_are_named() {
     assert.success().stdout(contains("Assumed").and(contains("acceleration")));
 }
 
-/// Half a turn at a millionth of the speed takes weeks: 154 bytes, and 70 GB of samples.
+/// Half a turn at a millionth of the speed takes weeks: 154 bytes, and 131 GB of samples.
 const WEEKS: &str =
     r#"{ "type": "ptp", "joints_deg": [160, 0, 0, 0, 0, 0, 0], "velocity_rel": 1e-6 }"#;
 
@@ -503,7 +503,7 @@ fn a_file_that_fills_the_disk_is_not_begun() {
     let inputs = tempdir().unwrap();
     let input = inputs.path().join("weeks.json");
     fs::write(&input, program(WEEKS)).unwrap();
-    let too_large = contains("18 days").and(contains("113.3 GB")).and(contains("1.0 GB of"));
+    let too_large = contains("18 days").and(contains("131.3 GB")).and(contains("1.0 GB of"));
     plan(&folder, &input, &[]).code(2).stderr(too_large);
     plan(&folder, &input, &["--max-file-size", "10GB"]).code(2).stderr(contains("10.0 GB of"));
     plan(&folder, &input, &["--max-file-size", "much"]).code(2);

@@ -32,7 +32,7 @@ use super::Answering;
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub(crate) struct Import {
-    /// Sunrise project: its folder, or its file `RoboticsAPI.data.xml`; - reads that file from
+    /// Sunrise project: its folder, its file `RoboticsAPI.data.xml`, or `-` to read that file from
     /// standard input
     #[arg(value_name = "PROJECT")]
     pub(crate) project: PathBuf,
@@ -53,8 +53,8 @@ pub(crate) struct Import {
     #[arg(long, conflicts_with = "no_output")]
     pub(crate) overwrite: bool,
 
-    /// Write a `RoboticsAPI.data.xml` with the entries that the application needs and the project
-    /// lacks, to be filled in; do not import
+    /// Instead of importing, write a `RoboticsAPI.data.xml` with the entries that the application
+    /// needs and the project lacks, for you to fill in
     #[arg(long, value_name = "FILE.xml", conflicts_with_all = ["frames", "output", "no_output"])]
     pub(crate) write_data: Option<PathBuf>,
 

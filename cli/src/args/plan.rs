@@ -54,7 +54,7 @@ const URDF: &str = "URDF with meshes (STL, OBJ or Collada): clearances are compu
 #[command(mut_arg("urdf", |arg| arg.help(URDF)))]
 #[expect(clippy::struct_excessive_bools, reason = "options are independent")]
 pub(crate) struct Plan {
-    /// Motion program in JSON (`iiwasim schema` describes it), or a folder of them; - reads
+    /// Motion program in JSON (`iiwasim schema` describes it), a folder of programs, or `-` for
     /// standard input. With --application: the folder of a Sunrise project
     #[arg(value_name = "PROGRAM.json", required = true)]
     pub(crate) programs: Vec<PathBuf>,
@@ -72,7 +72,8 @@ pub(crate) struct Plan {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Number of programs planned in parallel, 1 to 1024 [default: one per core]
+    /// Number of programs, or of parts of one long program between stops, planned in parallel, 1 to
+    /// 1024 [default: one per core]
     #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 1024>)]
     pub(crate) jobs: Option<u16>,
 

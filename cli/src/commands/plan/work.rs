@@ -69,6 +69,11 @@ pub(super) fn write(
     request.speed_override = options.speed_override.map(|percent| percent / 100.0);
     let planning = request.begin(&input.source).map_err(|error| input.to_failure(&error))?;
     let mut planning = planning.interrupted_by(interrupt::flag());
+    // The iterations of a section are traced together; threads of many programs have their own.
+    let threads = if options.trace { Some(1) } else { options.jobs };
+    if let Some(threads) = threads.filter(|_| rayon::current_thread_index().is_none()) {
+        planning = planning.with_threads(threads.into());
+    }
     let robot = planning.robot().clone();
     let picture = options.picture.as_ref();
     let mut picture = picture.map(|_| PlanPicture::new(&robot).with_frames(&input.source.program));

@@ -344,8 +344,8 @@ impl PassingTimes {
             }
             if edge.offset_rad > edge::REST_RAD {
                 losses.push(format!(
-                    "the arm is at rest {:.2} deg from the plan's {name}: the time of the {name} is \
-                     determined from the position of this rest, and the path deviation contains \
+                    "the arm is at rest {:.2} deg from the plan's {name}: the time of the {name} \
+                     is determined from the position of this rest, and the path deviation contains \
                      the offset",
                     edge.offset_rad.to_degrees()
                 ));

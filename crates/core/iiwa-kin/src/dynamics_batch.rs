@@ -54,6 +54,34 @@ impl Dynamics {
         pulp::Arch::new().dispatch(BatchTorques { arm: &self.arm, places, out: torques_nm });
     }
 
+    /// Computes [`Dynamics::torques`] and [`Dynamics::gravity_torques`] for each of `joints_rad`
+    /// with its velocity and acceleration, bit-identically.
+    ///
+    /// # Panics
+    ///
+    /// If the slices differ in length.
+    pub fn torques_with_gravity_batch(
+        &self,
+        joints_rad: &[Joints],
+        velocity_rad_s: &[Joints],
+        acceleration_rad_s2: &[Joints],
+        torques_nm: &mut [Joints],
+        gravity_nm: &mut [Joints],
+    ) {
+        let count = joints_rad.len();
+        let lengths =
+            [velocity_rad_s.len(), acceleration_rad_s2.len(), torques_nm.len(), gravity_nm.len()];
+        assert_eq!(lengths, [count; 4], "one place for each set of joints");
+        let places = JointDerivatives {
+            joints: joints_rad,
+            first: velocity_rad_s,
+            second: acceleration_rad_s2,
+        };
+        let batch =
+            BatchWithGravity { arm: &self.arm, places, torques: torques_nm, gravity: gravity_nm };
+        pulp::Arch::new().dispatch(batch);
+    }
+
     /// Computes [`Dynamics::path_torques`] for each of `joints_rad` with its derivatives into
     /// `parts`, bit-identically.
     ///
@@ -134,6 +162,20 @@ impl Block {
     }
 }
 
+impl Block {
+    /// Computes the gravity torques of the block, lane by lane.
+    #[inline(always)]
+    fn gravity(&self, arm: &Linkage, lanes: &mut JointLanes) {
+        for l in 0..LANES {
+            let lane = |values: &JointLanes| -> Joints { from_fn(|j| values[j][l]) };
+            let torques = holding(arm, [&lane(&self.sin), &lane(&self.cos)]);
+            for j in 0..7 {
+                lanes[j][l] = torques[j];
+            }
+        }
+    }
+}
+
 struct BatchTorques<'a> {
     arm: &'a Linkage,
     places: JointDerivatives<'a>,
@@ -162,6 +204,47 @@ impl pulp::NullaryFnOnce for BatchTorques<'_> {
             }
         }
     }
+}
+
+struct BatchWithGravity<'a> {
+    arm: &'a Linkage,
+    places: JointDerivatives<'a>,
+    torques: &'a mut [Joints],
+    gravity: &'a mut [Joints],
+}
+
+impl pulp::NullaryFnOnce for BatchWithGravity<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { arm, places, torques, gravity } = self;
+        let mut block = Block::EMPTY;
+        let mut lanes = [[[0.0; LANES]; 7]; 2];
+        let blocks = torques.chunks_mut(LANES).zip(gravity.chunks_mut(LANES));
+        for (k, (torques, gravity)) in blocks.enumerate() {
+            let start = k * LANES;
+            if torques.len() < LANES || !block.read(&places, start) {
+                for (i, (torques, gravity)) in (start..).zip(torques.iter_mut().zip(gravity)) {
+                    *torques = one(arm, &places, i);
+                    *gravity = one_gravity(arm, &places.joints[i]);
+                }
+                continue;
+            }
+            block.torques::<true>(arm, &mut lanes[0]);
+            block.gravity(arm, &mut lanes[1]);
+            for (l, (torques, gravity)) in torques.iter_mut().zip(gravity).enumerate() {
+                *torques = from_fn(|j| lanes[0][j][l]);
+                *gravity = from_fn(|j| lanes[1][j][l]);
+            }
+        }
+    }
+}
+
+#[inline(never)]
+fn one_gravity(arm: &Linkage, joints: &Joints) -> Joints {
+    let (s, c) = sin_cos_of_joints(joints);
+    holding(arm, [&s, &c])
 }
 
 #[inline(never)]
@@ -194,13 +277,7 @@ impl pulp::NullaryFnOnce for BatchParts<'_> {
                 continue;
             }
             block.torques::<false>(arm, &mut speed);
-            for l in 0..LANES {
-                let lane = |values: &JointLanes| -> Joints { from_fn(|j| values[j][l]) };
-                let torques = holding(arm, [&lane(&block.sin), &lane(&block.cos)]);
-                for j in 0..7 {
-                    gravity[j][l] = torques[j];
-                }
-            }
+            block.gravity(arm, &mut gravity);
             block.second = std::mem::replace(&mut block.first, zeros);
             block.torques::<false>(arm, &mut acceleration);
             for (l, parts) in parts.iter_mut().enumerate() {

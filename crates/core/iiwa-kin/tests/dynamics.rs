@@ -253,7 +253,11 @@ proptest! {
         dynamics.torques_batch(&q, &first, &second, &mut torques);
         let mut parts = vec![iiwa_kin::PathTorques::default(); q.len()];
         dynamics.path_torques_batch(&q, &first, &second, &mut parts);
+        let (mut with_gravity, mut gravity) = (torques.clone(), torques.clone());
+        dynamics.torques_with_gravity_batch(&q, &first, &second, &mut with_gravity, &mut gravity);
+        prop_assert_eq!(&with_gravity, &torques);
         for i in 0..q.len() {
+            prop_assert_eq!(gravity[i], dynamics.gravity_torques(&q[i]));
             prop_assert_eq!(torques[i], dynamics.torques(&q[i], &first[i], &second[i]));
             prop_assert_eq!(parts[i], dynamics.path_torques(&q[i], &first[i], &second[i]));
         }

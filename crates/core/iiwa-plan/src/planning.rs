@@ -10,7 +10,7 @@ use iiwa_traj::{Planner, Section};
 use crate::{Error, PlanFigures, PlanOptions, ProgramText};
 
 /// Iterator that plans a program section by section and keeps the figures up to date. It stores the
-/// path and the figures, but no planned section.
+/// path and the figures, and of the sections only a few that are planned ahead.
 ///
 /// ```
 /// use iiwa_plan::{PlanRequest, ProgramSource};
@@ -19,7 +19,7 @@ use crate::{Error, PlanFigures, PlanOptions, ProgramText};
 ///     "motions": [{ "type": "ptp", "joints_deg": [20, 0, 0, 0, 0, 0, 0] }] }"#;
 /// let mut planning = PlanRequest::default().begin(&ProgramSource::from_json(text)?)?;
 /// while let Some(section) = planning.next() {
-///     // Write, send or drop the section before the next one is planned.
+///     // Write, send or drop the section.
 ///     section?;
 /// }
 /// assert!((planning.figures().cycle_time_s - 0.798).abs() < 1e-3);
@@ -57,6 +57,12 @@ impl Planning {
     #[must_use]
     pub fn interrupted_by(self, stop: Arc<AtomicBool>) -> Self {
         Self { planner: self.planner.interrupted_by(stop), ..self }
+    }
+
+    /// Sets the number of threads for long programs; by default, all cores plan them.
+    #[must_use]
+    pub fn with_threads(self, threads: usize) -> Self {
+        Self { planner: self.planner.with_threads(threads), ..self }
     }
 
     /// Path of the program.

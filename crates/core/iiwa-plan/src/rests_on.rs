@@ -19,8 +19,8 @@ pub struct AssumptionRecord {
     pub first: usize,
 }
 
-const BLEND: &str = "blends: jerk limits, with starts and stops as soft as recorded ones; no blend \
-                     has been recorded";
+const BLEND: &str = "blends are planned with jerk limits, and with starts and stops as soft as \
+                     recorded ones; no blend has been recorded";
 const PATH: &str = "LIN and CIRC: jerk limits, with starts and stops as soft as those of recorded \
                     SPL; neither has been recorded";
 const SPLINE: &str = "splines: a model of their speed, which matches recorded durations within 2 % \

@@ -6,31 +6,37 @@ use std::{
     sync::{
         Arc, Mutex,
         atomic::{AtomicBool, Ordering},
-        mpsc::{Receiver, Sender, channel},
+        mpsc::{Receiver, RecvTimeoutError, Sender, channel},
     },
-    thread,
+    thread::{self, JoinHandle},
+    time::Duration,
 };
 
 use iiwa_path::Step;
 
 use crate::{section::Section, section_planner::SectionPlanner, timing::TimingError};
 
-/// Moves that are planned ahead per thread, at most: enough to keep all threads busy, few enough
-/// for little memory.
+/// Moves per thread up to which further sections are planned ahead: enough to keep all threads
+/// busy, few enough for little memory. Longer sections are planned ahead by one per thread.
 const MOVES_AHEAD: usize = 100;
 
-/// Threads, and the sections that they plan, in the order of the path.
+/// Time after which a waiting caller looks whether it is interrupted.
+const INTERRUPT_WAIT: Duration = Duration::from_millis(20);
+
+/// Threads, and the sections that they plan, in the order of the path. The threads have ended when
+/// this is dropped.
 #[derive(Debug)]
 pub(crate) struct PlannedAhead {
-    jobs: Sender<SectionJob>,
-    pending: VecDeque<PendingSection>,
+    /// `None` when the threads end.
+    jobs: Option<Sender<SectionJob>>,
+    pending: Mutex<VecDeque<PendingSection>>,
     /// Step at which the first section that no thread plans yet begins.
     next_step: usize,
     /// Number of moves of the pending sections.
     moves: usize,
-    max_moves: usize,
-    /// Set when the caller needs no more sections.
-    abandoned: Arc<AtomicBool>,
+    /// Interrupts the threads.
+    stop: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
 }
 
 /// Moves to plan, and where to send the section.
@@ -48,36 +54,37 @@ struct PendingSection {
 
 impl PlannedAhead {
     /// Starts the threads. Returns `None` if that fails, or if planning on the caller's thread is
-    /// as good: with fewer than two threads, or for a path with few moves or no stop on its way.
+    /// as good: with fewer than two threads, or for a path with few moves or a single section.
     pub(crate) fn new(planner: &SectionPlanner, threads: impl FnOnce() -> usize) -> Option<Self> {
         let steps = planner.path.steps();
         let is_long = steps.iter().filter(|step| step.moves()).nth(MOVES_AHEAD).is_some();
-        let stops = |pair: &[Step]| !pair[0].moves() && pair[1].moves();
-        if !is_long || !steps.windows(2).any(stops) {
+        if !is_long {
             return None;
         }
-        let threads = threads();
-        if threads < 2 {
+        let sections = steps.chunk_by(|a, b| a.moves() == b.moves());
+        let sections = sections.filter(|steps| steps[0].moves()).count();
+        if sections < 2 {
             return None;
         }
-        let planner = Arc::new(planner.clone());
-        let abandoned = Arc::default();
+        let count = threads().min(sections);
+        if count < 2 {
+            return None;
+        }
+        let stop = Arc::default();
+        let mut planner = planner.clone();
+        planner.stop = Arc::clone(&stop);
+        let planner = Arc::new(planner);
         let (jobs, received) = channel();
         let received = Arc::new(Mutex::new(received));
-        for _ in 0..threads {
-            let worker = SectionWorker {
-                planner: Arc::clone(&planner),
-                jobs: Arc::clone(&received),
-                abandoned: Arc::clone(&abandoned),
-            };
-            thread::Builder::new()
-                .name("section planner".into())
-                .spawn(move || worker.run())
-                .ok()?;
+        let mut threads = Vec::with_capacity(count);
+        for _ in 0..count {
+            let (planner, jobs) = (Arc::clone(&planner), Arc::clone(&received));
+            let name = "section planner".to_owned();
+            let run = move || run(&planner, &jobs);
+            threads.push(thread::Builder::new().name(name).spawn(run).ok()?);
         }
-        let max_moves = MOVES_AHEAD * threads;
-        let pending = VecDeque::new();
-        Some(Self { jobs, pending, next_step: 0, moves: 0, max_moves, abandoned })
+        let (jobs, pending) = (Some(jobs), Mutex::default());
+        Some(Self { jobs, pending, next_step: 0, moves: 0, stop, threads })
     }
 
     /// Returns the section of these moves, each section of the path in turn. Returns `None` if no
@@ -87,25 +94,42 @@ impl PlannedAhead {
         planner: &SectionPlanner,
         moves: &Range<usize>,
     ) -> Option<Result<Section, TimingError>> {
-        self.fill(planner);
-        let first = self.pending.pop_front()?;
+        let steps = planner.path.steps();
+        self.fill(steps);
+        let first = self.pending.get_mut().ok()?.pop_front()?;
         self.moves -= first.moves.len();
-        // A thread that panics sends nothing.
-        (first.moves == *moves).then(|| first.section.recv().ok())?
+        self.fill(steps);
+        if first.moves != *moves {
+            return None;
+        }
+        loop {
+            if planner.stop.load(Ordering::Relaxed) {
+                return Some(Err(TimingError::Interrupted));
+            }
+            match first.section.recv_timeout(INTERRUPT_WAIT) {
+                Ok(section) => return Some(section),
+                Err(RecvTimeoutError::Timeout) => {}
+                // The thread has panicked.
+                Err(RecvTimeoutError::Disconnected) => return None,
+            }
+        }
     }
 
     /// Gives the threads as many sections as may be pending.
-    fn fill(&mut self, planner: &SectionPlanner) {
-        let steps = planner.path.steps();
-        while self.moves < self.max_moves && self.next_step < steps.len() {
+    fn fill(&mut self, steps: &[Step]) {
+        let threads = self.threads.len();
+        let (Ok(pending), Some(jobs)) = (self.pending.get_mut(), &self.jobs) else { return };
+        while (pending.len() < threads || self.moves < MOVES_AHEAD * threads)
+            && self.next_step < steps.len()
+        {
             let first = self.next_step;
             let end = first + steps[first..].iter().take_while(|step| step.moves()).count();
             self.next_step = end + steps[end..].iter().take_while(|step| !step.moves()).count();
             if end > first {
                 let (sender, section) = channel();
-                // The threads live as long as `jobs`.
-                let _ = self.jobs.send(SectionJob { moves: first..end, section: sender });
-                self.pending.push_back(PendingSection { moves: first..end, section });
+                // The threads end later than `jobs`.
+                let _ = jobs.send(SectionJob { moves: first..end, section: sender });
+                pending.push_back(PendingSection { moves: first..end, section });
                 self.moves += end - first;
             }
         }
@@ -114,29 +138,25 @@ impl PlannedAhead {
 
 impl Drop for PlannedAhead {
     fn drop(&mut self) {
-        self.abandoned.store(true, Ordering::Relaxed);
-    }
-}
-
-/// Thread that plans sections.
-struct SectionWorker {
-    planner: Arc<SectionPlanner>,
-    jobs: Arc<Mutex<Receiver<SectionJob>>>,
-    abandoned: Arc<AtomicBool>,
-}
-
-impl SectionWorker {
-    fn run(&self) {
-        let mut scratch = self.planner.scratch();
-        while let Some(SectionJob { moves, section }) = self.next() {
-            // The caller may have ended meanwhile.
-            let _ = section.send(self.planner.plan(moves, &mut scratch));
+        self.stop.store(true, Ordering::Relaxed);
+        self.jobs = None;
+        for thread in self.threads.drain(..) {
+            // A thread that has panicked has ended as well.
+            let _ = thread.join();
         }
     }
+}
 
-    /// Waits for the next job. Returns `None` at the end.
-    fn next(&self) -> Option<SectionJob> {
-        let job = self.jobs.lock().ok()?.recv().ok()?;
-        (!self.abandoned.load(Ordering::Relaxed)).then_some(job)
+/// Plans one section after the other until there are no more, or the planner is stopped.
+fn run(planner: &SectionPlanner, jobs: &Mutex<Receiver<SectionJob>>) {
+    let mut scratch = planner.scratch();
+    loop {
+        let job = jobs.lock().ok().and_then(|jobs| jobs.recv().ok());
+        let Some(SectionJob { moves, section }) = job else { return };
+        if planner.stop.load(Ordering::Relaxed) {
+            return;
+        }
+        // The caller may have ended meanwhile.
+        let _ = section.send(planner.plan(moves, &mut scratch));
     }
 }

@@ -41,7 +41,7 @@ enum Decided {
 }
 
 /// Iterator that plans a path section by section. Sections are planned shortly before the caller
-/// asks for them, those of long paths on all cores, and are not kept.
+/// asks for them, and are not kept. The sections of long paths are planned on all cores.
 ///
 /// ```
 /// use iiwa_kin::Robot;
@@ -57,7 +57,7 @@ enum Decided {
 /// let path = JointPath::new(&program, &Robot::default())?;
 /// let mut cycle_time_s = 0.0;
 /// for section in Planner::new(&path, Timing::default()) {
-///     // The section is written, sent or dropped before the next one is planned.
+///     // Write, send or drop the section.
 ///     cycle_time_s = section?.end_s();
 /// }
 /// assert!(cycle_time_s > 0.5);
@@ -128,15 +128,17 @@ impl Planner {
     #[must_use]
     pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.sections.stop = stop;
+        self.ahead = None;
         self
     }
 
-    /// Sets the number of threads that plan the sections of a long path under jerk limits: by
-    /// default one per core, or none besides the caller's within a rayon pool, whose threads have
-    /// work of their own. The result does not depend on it.
+    /// Sets the number of threads that plan the sections of a long path under jerk limits. The
+    /// default is one per core, or only the caller's thread if the caller runs in a rayon pool (its
+    /// other threads have work of their own). The result does not depend on the number of threads.
     #[must_use]
     pub fn with_threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
+        self.ahead = None;
         self
     }
 
@@ -197,6 +199,7 @@ impl Planner {
     #[must_use]
     pub fn with_limit(mut self, limit: Arc<dyn PathLimit>) -> Self {
         self.sections.limits.add(limit);
+        self.ahead = None;
         self
     }
 
@@ -218,6 +221,9 @@ impl Iterator for Planner {
         // The iterator ends after an error.
         if planned.is_err() {
             self.step = self.sections.path.steps().len();
+        }
+        if self.step == self.sections.path.steps().len() {
+            self.ahead = None;
         }
         Some(planned)
     }

@@ -377,8 +377,9 @@ impl Section {
     }
 
     /// Calls `add` with states along a piece in motion and with their weights in an integral over
-    /// time, in s: Simpson's rule over spans in each of which the robot moves by at most `max_rad`
-    /// along the path.
+    /// time, in s. The piece is divided into spans in each of which the robot moves by at most
+    /// `max_rad` along the path. The integral over a span is that of Simpson's rule or, if the
+    /// speed changes by much, of Lobatto's rule with four points.
     ///
     /// Two spans share the state between them, unless the acceleration jumps there: `add` then
     /// receives the states before and after the jump.
@@ -395,10 +396,15 @@ impl Section {
             let at = |dt_s: f64| self.state(start_s + dt_s, piece, segment, from, to);
             let spans = (from.dp * length_rad / max_rad).ceil().max(1.0);
             let step_s = from.dt_s / spans;
+            let is_steady = (to.rate - from.rate).abs() <= STEADY * spans * (to.rate + from.rate);
+            let [of_end, inner, of_inner] = if is_steady { SIMPSON } else { LOBATTO };
             for span in (0_u32..).map(f64::from).take_while(|span| *span < spans) {
-                add(&at(span * step_s), before_s + step_s / 6.0);
-                add(&at((span + 0.5) * step_s), step_s * (4.0 / 6.0));
-                before_s = step_s / 6.0;
+                add(&at(span * step_s), before_s + of_end * step_s);
+                add(&at((span + inner) * step_s), of_inner * step_s);
+                if !is_steady {
+                    add(&at((span + 1.0 - inner) * step_s), of_inner * step_s);
+                }
+                before_s = of_end * step_s;
             }
             let jumps = nodes.get(index + 2).is_none_or(|after| {
                 let [before, after] = [
@@ -535,6 +541,14 @@ pub(crate) fn pause_s(robot: &Robot, blocking: bool) -> f64 {
 /// Relative change of d2p/dt2 at a node that counts as a jump of the acceleration: far above the
 /// rounding of continuous accelerations, far below any change of the torques that matters.
 const JUMP: f64 = 1e-6;
+
+/// Largest change of the speed in a span, as a share of the sum of both speeds, for Simpson's rule.
+const STEADY: f64 = 0.1;
+
+/// Rules of integration: weight of the ends of a span, place of its first inner point as a share of
+/// the span, and weight of the inner points.
+const SIMPSON: [f64; 3] = [1.0 / 6.0, 0.5, 4.0 / 6.0];
+const LOBATTO: [f64; 3] = [1.0 / 12.0, 0.276_393_202_250_021, 5.0 / 12.0];
 
 /// Halvings after which only rounding is left of an interval.
 const HALVINGS: usize = 60;

@@ -52,10 +52,6 @@ pub struct TorqueFigures {
 /// Largest joint rotation between two instants at which torques are computed, in rad.
 const MAX_RAD: f64 = 0.05;
 
-/// Rotation of a joint after which its gravity torques are computed again, in rad. At an extreme
-/// value of a gravity torque, half of this rotation changes the torque by less than 0.01 %.
-const GRAVITY_RAD: f64 = 0.02;
-
 impl Trajectory {
     /// Returns the torques at `t_s`, with the payload at that time and the installation of the
     /// robot.
@@ -142,11 +138,6 @@ fn exerted(dynamics: &Dynamics, state: &State) -> Joints {
     std::array::from_fn(|j| rigid[j] + friction[j])
 }
 
-/// Returns `true` if a joint differs by more than `GRAVITY_RAD`.
-fn is_apart(a: &Joints, b: &Joints) -> bool {
-    a.iter().zip(b).any(|(a, b)| (a - b).abs() > GRAVITY_RAD)
-}
-
 /// Instants of a motion with their weights in an integral over time, in s.
 #[derive(Default)]
 struct WeightedInstants {
@@ -154,24 +145,19 @@ struct WeightedInstants {
     weight_s: Vec<f64>,
     velocity: Vec<Joints>,
     torque: Vec<Joints>,
-    /// Gravity torques at the first and the last pose, and whenever a joint has turned by
-    /// `GRAVITY_RAD`.
+    /// Gravity torques at the same poses.
     gravity: Vec<Joints>,
 }
 
 impl WeightedInstants {
     fn of(section: &Section, pieces: &[Piece], dynamics: &Dynamics) -> Self {
         let (mut samples, mut q, mut ddq) = (Self::default(), Vec::new(), Vec::new());
-        let mut poses: Vec<Joints> = Vec::new();
         let mut add = |state: &State, weight_s: f64| {
             samples.t_s.push(state.t_s);
             samples.weight_s.push(weight_s);
             samples.velocity.push(state.dq);
             q.push(state.q);
             ddq.push(state.ddq);
-            if poses.last().is_none_or(|last| is_apart(last, &state.q)) {
-                poses.push(state.q);
-            }
         };
         for piece in pieces {
             section.integrate(piece, MAX_RAD, &mut add);
@@ -179,12 +165,15 @@ impl WeightedInstants {
                 add(&section.resting_in(piece), 0.0);
             }
         }
-        poses.extend(q.last());
-        let zeros = vec![[0.0; 7]; poses.len()];
         samples.torque = vec![[0.0; 7]; q.len()];
-        samples.gravity.clone_from(&zeros);
-        dynamics.torques_batch(&q, &samples.velocity, &ddq, &mut samples.torque);
-        dynamics.torques_batch(&poses, &zeros, &zeros, &mut samples.gravity);
+        samples.gravity.clone_from(&samples.torque);
+        dynamics.torques_with_gravity_batch(
+            &q,
+            &samples.velocity,
+            &ddq,
+            &mut samples.torque,
+            &mut samples.gravity,
+        );
         for (torque, velocity) in samples.torque.iter_mut().zip(&samples.velocity) {
             let friction = dynamics.friction().torques_nm(velocity);
             *torque = std::array::from_fn(|j| torque[j] + friction[j]);

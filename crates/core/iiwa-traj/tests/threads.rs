@@ -68,3 +68,33 @@ fn interrupts_end_all_threads() {
     assert_eq!(planner.next().unwrap().unwrap_err(), TimingError::Interrupted);
     assert!(planner.next().is_none());
 }
+
+/// Two sections with far more moves than are planned ahead, behind a wait.
+#[test]
+fn long_sections_are_planned_ahead() {
+    let half = |first: u32, mut program: iiwa_program::ProgramBuilder| {
+        for i in first..first + 130 {
+            let angle = f64::from(i % 7) * 10.0;
+            program = program.ptp_deg([angle, 0.0, 0.0, -angle - 20.0, 0.0, 0.0, 0.0]);
+            if i < first + 129 {
+                program = program.blend(Blend::Fraction(0.25));
+            }
+        }
+        program
+    };
+    let program = half(130, half(0, Program::from_deg([0.0; 7]).wait_s(0.5))).build();
+    let path = JointPath::new(&program, &Robot::default()).unwrap();
+    let all = |threads| -> Vec<Vec<u64>> {
+        planner(&path, threads).map(|section| bits(&section.unwrap())).collect()
+    };
+    assert!(all(2) == all(1));
+}
+
+/// A planner that waits for its threads to end does not wait for their work.
+#[test]
+fn a_planner_can_be_dropped_in_the_middle_of_a_path() {
+    let path = path(400);
+    let mut planner = planner(&path, 2);
+    assert!(planner.next().unwrap().is_ok());
+    drop(planner);
+}

@@ -7,7 +7,7 @@ use mcap::records::{ChunkHeader, ChunkIndex, MessageHeader, MessageIndex, Messag
 
 use crate::Topic;
 use crate::compression::{self, Compressor};
-use crate::message_blocks::MessageStart;
+use crate::message_blocks::{MAX_DISTANCE, MessageStart};
 use crate::record::{
     MESSAGE_HEADER_BYTES, RECORD_HEADER_BYTES, append, message_header, put_channel, put_record,
     put_schema, record_header,
@@ -102,7 +102,9 @@ impl Chunk {
         let entry = MessageIndexEntry { log_time: time, offset: self.bytes.len() as u64 };
         self.indexes[topic as usize].records.push(entry);
         let at = self.bytes.len();
-        self.starts.push(MessageStart { at, previous: self.last[topic as usize].replace(at) });
+        let previous = self.last[topic as usize].replace(at);
+        let previous = previous.filter(|previous| at - previous <= MAX_DISTANCE);
+        self.starts.push(MessageStart { at, previous });
         let (first, last) = self.bounds.unwrap_or((time, time));
         self.bounds = Some((first.min(time), last.max(time)));
         let channel_id = topic.id();

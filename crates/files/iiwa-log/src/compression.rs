@@ -33,7 +33,7 @@ pub(crate) struct Compressor {
 
 /// Part of a chunk that becomes one block of the frame.
 #[derive(Debug)]
-struct Block {
+struct FrameBlock {
     bytes: Range<usize>,
     /// Starts of the messages in the block, by index.
     starts: Range<usize>,
@@ -53,12 +53,12 @@ impl Compressor {
         Ok(Self { frame_header })
     }
 
-    /// Appends a frame with a chunk; `starts` are those of its messages, in order. Equal input gives
-    /// equal frames.
+    /// Appends a frame with a chunk; `starts` are the starts of its messages, in order. Equal input
+    /// gives equal frames.
     #[expect(clippy::cast_possible_truncation, reason = "blocks have at most `MAX_BLOCK_BYTES`")]
     pub(crate) fn compress(&self, chunk: &[u8], starts: &[MessageStart], out: &mut Vec<u8>) {
         out.extend_from_slice(&self.frame_header);
-        for Block { bytes, starts: within, resembles } in blocks(chunk.len(), starts) {
+        for FrameBlock { bytes, starts: within, resembles } in blocks(chunk.len(), starts) {
             let block = &chunk[bytes.clone()];
             let length_at = out.len();
             out.extend([0; BLOCK_LENGTH_BYTES]);
@@ -88,8 +88,8 @@ const FRAME_HEADER_BYTES: usize = 7;
 const BLOCK_LENGTH_BYTES: usize = 4;
 
 /// Divides a chunk of `length` bytes.
-fn blocks(length: usize, starts: &[MessageStart]) -> Vec<Block> {
-    let mut blocks: Vec<Block> = Vec::new();
+fn blocks(length: usize, starts: &[MessageStart]) -> Vec<FrameBlock> {
+    let mut blocks: Vec<FrameBlock> = Vec::new();
     let mut first = 0;
     for group in starts.chunk_by(|a, b| a.previous.is_some() == b.previous.is_some()) {
         let starts_of = first..first + group.len();
@@ -101,15 +101,15 @@ fn blocks(length: usize, starts: &[MessageStart]) -> Vec<Block> {
             Some(last) if last.resembles && (resembles || bytes.len() < SEARCHED_BYTES) => {
                 (last.bytes.end, last.starts.end) = (bytes.end, starts_of.end);
             }
-            _ => blocks.push(Block { bytes, starts: starts_of, resembles }),
+            _ => blocks.push(FrameBlock { bytes, starts: starts_of, resembles }),
         }
     }
     blocks.into_iter().flat_map(|block| parts(block, starts)).collect()
 }
 
 /// Divides a block that is too long, between messages if possible.
-fn parts(block: Block, starts: &[MessageStart]) -> Vec<Block> {
-    let Block { bytes, starts: within, resembles } = block;
+fn parts(block: FrameBlock, starts: &[MessageStart]) -> Vec<FrameBlock> {
+    let FrameBlock { bytes, starts: within, resembles } = block;
     let (mut at, mut first, mut parts) = (bytes.start, within.start, Vec::new());
     while at < bytes.end {
         let furthest = (at + MAX_BLOCK_BYTES).min(bytes.end);
@@ -118,7 +118,7 @@ fn parts(block: Block, starts: &[MessageStart]) -> Vec<Block> {
         let between = rest[..fitting].last().map(|start| start.at).filter(|start| *start > at);
         let end = if furthest == bytes.end { furthest } else { between.unwrap_or(furthest) };
         let next = first + rest.partition_point(|start| start.at < end);
-        parts.push(Block { bytes: at..end, starts: first..next, resembles });
+        parts.push(FrameBlock { bytes: at..end, starts: first..next, resembles });
         (at, first) = (end, next);
     }
     parts

@@ -31,7 +31,7 @@ const LAST_START: usize = 12;
 const LAST_LITERALS: usize = 5;
 
 /// Largest distance between a repeated part and its source.
-const MAX_DISTANCE: usize = u16::MAX as usize;
+pub(crate) const MAX_DISTANCE: usize = u16::MAX as usize;
 
 /// Appends `data[block]` as an LZ4 block to `out`. `starts` are those in the block, in order.
 pub(crate) fn put_block(
@@ -104,8 +104,8 @@ impl BlockWriter<'_> {
         self.literals = part.end;
     }
 
-    /// Appends the start of a sequence: the literals up to `end`, and the first digit of `repeated`,
-    /// the length of the part that follows.
+    /// Appends the start of a sequence: the literals up to `end`, and the first digit of
+    /// `repeated`, the length of the part that follows.
     fn sequence(&mut self, end: usize, repeated: usize) {
         let literals = &self.data[self.literals..end];
         let digit = |length: usize| length.min(15) as u8;

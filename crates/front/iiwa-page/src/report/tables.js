@@ -347,8 +347,8 @@ function writeRepeats() {
   fillTable($("repeat-table"), names, rows);
   const hidden = repeats.length - Math.min(repeats.length, SHOWN);
   $("repeat-notes").textContent =
-    "A round lasts from the start of its first motion to the start of the motion after the round, " +
-    "with settling after stops." +
+    "A round lasts from the start of its first motion to the start of the motion after the " +
+    "round, with settling after stops." +
     (hidden ? ` ${hidden} more blocks: iiwasim plan --json has them.` : "");
 }
 
