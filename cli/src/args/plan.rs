@@ -72,8 +72,8 @@ pub(crate) struct Plan {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Number of programs, or of parts of one long program between stops, planned in parallel, 1 to
-    /// 1024 [default: one per core]
+    /// Number of programs planned in parallel, 1 to 1024; for a single long program, number of
+    /// threads that plan the parts between its stops [default: one per core]
     #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 1024>)]
     pub(crate) jobs: Option<u16>,
 
@@ -92,8 +92,8 @@ pub(crate) struct Plan {
         value_parser = torque_percent)]
     pub(crate) limit_torque: Option<f64>,
 
-    /// Speed override of the controller in %, instead of the program's: slows down motions; waits
-    /// and the standstill after stops keep their length
+    /// Speed override of the controller in %, instead of the program's. Motions become slower;
+    /// waits and the standstill after stops take as long as before
     #[arg(long = "override", value_name = "PERCENT", value_parser = override_percent)]
     pub(crate) speed_override: Option<f64>,
 
@@ -191,15 +191,16 @@ pub(crate) enum Timing {
     /// Velocity, acceleration and jerk
     Jerk,
     /// As recorded on a real robot. PTP motions between two stops have the speed profile that was
-    /// fitted to recordings; splines between two stops have a fitted speed that can exceed
-    /// acceleration and jerk limits. All other motions are planned as with `jerk`, but with the
-    /// soft starts and stops of recorded motions (an assumption: no motions of these other kinds
-    /// have been recorded)
+    /// fitted to recordings; splines between two stops follow a speed model that was fitted to
+    /// recordings, and can exceed acceleration and jerk limits. All other motions are planned as
+    /// with `jerk`, but with the soft starts and stops of recorded motions (an assumption: no
+    /// motions of these other kinds have been recorded)
     Sunrise,
 }
 
 impl Timing {
-    /// The timing of a plan, with these options of the sweep (the forward and backward pass).
+    /// Returns the timing of a plan. `sweep` has the options of the forward and backward pass,
+    /// which only `acceleration` uses.
     pub(crate) fn with(self, sweep: SweepOptions) -> iiwa_traj::Timing {
         match self {
             Self::Acceleration => iiwa_traj::Timing::Acceleration(sweep),

@@ -10,9 +10,9 @@
 //! time: in joint space, in rad, and for the TCP, in m. The nearest points are searched for in the
 //! order of the path, so that a path that reverses is matched correctly.
 //!
-//! **Torques.** The torques required by the plan at the matched point, with its payload, mounting
-//! and the robot's friction, are subtracted from the recorded torques. Differences in speed from
-//! the plan therefore appear in the result as well.
+//! **Torques.** The planned torques at the matched point are subtracted from the recorded torques.
+//! Planned torques include the payload and the mounting orientation of the plan, and the friction
+//! of the robot. Differences in speed from the plan therefore appear in the result as well.
 
 mod curve;
 mod deviation;

@@ -205,8 +205,8 @@ impl JointPath {
         &self.limits
     }
 
-    /// Limits of a step: its own limits, which segments of a spline can have, or else the limits of
-    /// its motion.
+    /// Limits of a step: its own limits if it has any (segments of a spline can have their own),
+    /// otherwise the limits of its motion.
     ///
     /// # Panics
     ///

@@ -267,7 +267,8 @@ impl Planner {
         Ok(section)
     }
 
-    /// Returns true if waits overlap motions: a section then depends on the times before it.
+    /// Returns true if waits overlap motions. In this case, the plan of a section depends on the
+    /// times of the preceding sections.
     fn overlaps(&self) -> bool {
         !self.sections.path.overlapping_waits().is_empty()
     }
@@ -302,7 +303,7 @@ impl Planner {
         Ok(self.placed(section))
     }
 
-    /// Places a planned section at the present time.
+    /// Shifts a planned section in time, so that it begins at the end of the preceding section.
     fn placed(&self, mut section: Section) -> Section {
         section.place(self.time_s);
         if section.pieces.is_empty() {
@@ -319,7 +320,8 @@ impl Planner {
     /// each decision would take time proportional to the square of the number of moves. Therefore
     /// the plan starts short, and its length doubles as long as all motions are known in time.
     fn plan_known_moves(&mut self, moves: Range<usize>) -> Result<(Section, usize), TimingError> {
-        /// Minimum number of blends that are planned beyond those known to be in time.
+        /// Minimum number of blends that are planned in addition to those already decided to be in
+        /// time.
         const AHEAD: usize = 2;
         let delays = |step: &usize| {
             waits_before_blend(&self.sections.path, *step).iter().any(|wait| wait.seconds > 0.0)
@@ -377,8 +379,8 @@ impl Planner {
         known_s: f64,
         section: &Section,
     ) -> Result<Decided, TimingError> {
-        // Result of the two early returns below: they do not compute the latest time for sending
-        // the motion, so that its lower bound is negative infinity.
+        // Result of the two early returns below. They do not compute the latest time at which the
+        // program may send the motion; its lower bound `needed_s` is therefore negative infinity.
         let in_time = Decided::InTime { needed_s: f64::NEG_INFINITY };
         let Some(piece) = section.pieces.iter().position(|piece| piece.step == blend) else {
             return Ok(in_time);
