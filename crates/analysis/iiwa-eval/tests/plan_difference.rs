@@ -132,7 +132,8 @@ fn a_blend_changes_the_path_of_both_motions() {
         let change_m = flange_m(&all[index]);
         assert!(change_m > 0.001 && change_m < 0.05, "{change_m}");
     }
-    assert_eq!(flange_m(&all[3]), 0.0);
+    // The motion begins at another time, with other rounding.
+    assert!(flange_m(&all[3]) < 1e-12);
 }
 
 /// Groups are matched by their names, wherever their motions are.
