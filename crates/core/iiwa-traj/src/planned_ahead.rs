@@ -12,8 +12,6 @@ use std::{
     time::Duration,
 };
 
-use iiwa_path::Step;
-
 use crate::{section::Section, section_planner::SectionPlanner, timing::TimingError};
 
 /// Moves per thread up to which further sections are planned ahead: enough to keep all threads
@@ -94,11 +92,10 @@ impl PlannedAhead {
         planner: &SectionPlanner,
         moves: &Range<usize>,
     ) -> Option<Result<Section, TimingError>> {
-        let steps = planner.path.steps();
-        self.fill(steps);
+        self.fill(planner);
         let first = self.pending.get_mut().ok()?.pop_front()?;
         self.moves -= first.moves.len();
-        self.fill(steps);
+        self.fill(planner);
         if first.moves != *moves {
             return None;
         }
@@ -116,21 +113,20 @@ impl PlannedAhead {
     }
 
     /// Gives the threads as many sections as may be pending.
-    fn fill(&mut self, steps: &[Step]) {
+    fn fill(&mut self, planner: &SectionPlanner) {
         let threads = self.threads.len();
         let (Ok(pending), Some(jobs)) = (self.pending.get_mut(), &self.jobs) else { return };
         while (pending.len() < threads || self.moves < MOVES_AHEAD * threads)
-            && self.next_step < steps.len()
+            && self.next_step < planner.path.steps().len()
         {
-            let first = self.next_step;
-            let end = first + steps[first..].iter().take_while(|step| step.moves()).count();
-            self.next_step = end + steps[end..].iter().take_while(|step| !step.moves()).count();
-            if end > first {
+            let moves = planner.moves_from(self.next_step);
+            self.next_step = planner.rests_from(moves.end).end;
+            if !moves.is_empty() {
+                self.moves += moves.len();
                 let (sender, section) = channel();
                 // The threads end later than `jobs`.
-                let _ = jobs.send(SectionJob { moves: first..end, section: sender });
-                pending.push_back(PendingSection { moves: first..end, section });
-                self.moves += end - first;
+                let _ = jobs.send(SectionJob { moves: moves.clone(), section: sender });
+                pending.push_back(PendingSection { moves, section });
             }
         }
     }

@@ -239,25 +239,25 @@ impl Planner {
             self.start_ahead();
         }
         let overlaps = self.overlaps();
-        let moves_end = first
-            + self.sections.path.steps()[first..].iter().take_while(|step| step.moves()).count();
+        let moves = self.sections.moves_from(first);
+        let moves_end = moves.end;
         let (mut section, stop_step) = if overlaps {
-            self.plan_known_moves(first..moves_end)?
+            self.plan_known_moves(moves)?
         } else {
-            (self.plan_to_stop(first..moves_end)?, moves_end)
+            (self.plan_to_stop(moves)?, moves_end)
         };
-        let steps = &self.sections.path.steps()[stop_step..];
-        let end = stop_step + steps.iter().take_while(|step| !step.moves()).count();
+        let rests = self.sections.rests_from(stop_step);
+        let end = rests.end;
         let still_s = self.sections.still_s();
         if overlaps {
             let mut standing = Standing { still_s, clock: &mut self.clock };
             if stop_step < moves_end {
                 standing.rest_before_blend(&mut section, stop_step);
             } else {
-                standing.rest(&mut section, stop_step..end);
+                standing.rest(&mut section, rests);
             }
         } else {
-            for step in stop_step..end {
+            for step in rests {
                 section.rest(step, still_s);
             }
         }

@@ -102,6 +102,18 @@ impl SectionPlanner {
         }
     }
 
+    /// Returns the moves from the step `first` to the next stop of the path.
+    pub(crate) fn moves_from(&self, first: usize) -> Range<usize> {
+        let moves = self.path.steps()[first..].iter().take_while(|step| step.moves());
+        first..first + moves.count()
+    }
+
+    /// Returns the steps at rest from the step `first` to the next move of the path.
+    pub(crate) fn rests_from(&self, first: usize) -> Range<usize> {
+        let rests = self.path.steps()[first..].iter().take_while(|step| !step.moves());
+        first..first + rests.count()
+    }
+
     /// Returns the duration of a motion without displacement, in s: `least_cruise_s` under
     /// Sunrise's timing, otherwise 0.
     pub(crate) fn still_s(&self) -> f64 {
