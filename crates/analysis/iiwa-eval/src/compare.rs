@@ -337,8 +337,8 @@ impl PassingTimes {
             }
             if to_s - from_s > noise.gap_s() {
                 losses.push(format!(
-                    "the {name} of the motion lies in a gap of {:.3} s in the recording: its \
-                     time is calculated from the samples of the motion next to the gap",
+                    "the recording has a gap of {:.3} s at the {name} of the motion: the time of \
+                     the {name} is calculated from the samples of the motion next to the gap",
                     to_s - from_s
                 ));
             }
