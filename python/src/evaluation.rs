@@ -238,9 +238,9 @@ impl Comparison {
         let points = &self.compared.trace;
         let row = |point: &TracePoint| {
             let planned = self.plan.robot().flange_pose(&self.plan.at(point.plan_s)).position_m;
-            let [x, y, z] = point.tcp_m;
+            let [x, y, z] = point.flange_m;
             let [u, v, w] = planned;
-            let deviations = [point.joints_rad, point.tcp_deviation_m];
+            let deviations = [point.joints_rad, point.flange_deviation_m];
             [point.plan_s, point.measured_s, x, y, z, u, v, w, deviations[0], deviations[1]]
         };
         let rows = points.iter().map(row).collect();

@@ -23,10 +23,11 @@ use super::{LogReading, log_reading::COMMANDED_PREFERRED, values::override_perce
 /// profile), and from the TCP path for blends between LIN motions (`tcp_blend_kappa`). Payload and
 /// friction are identified from measured torques.
 ///
-/// The recorded orientation and redundancy angle (E1) on TCP paths, and blends between PTP motions
-/// and TCP paths, are compared with iiwasim's assumptions. This comparison is useful only if the
-/// robot's controller planned the motions: set-points that a drive has streamed follow the path
-/// that iiwasim planned.
+/// Three things are compared with iiwasim's assumptions: the recorded orientation on TCP paths, the
+/// recorded position of the elbow there (the redundancy angle E1, which the TCP pose leaves free),
+/// and blends between PTP motions and TCP paths. This comparison is useful only if the robot's
+/// controller planned the motions: set-points that a drive has streamed follow the path that
+/// iiwasim planned.
 ///
 /// Each figure is printed with its uncertainty (half of the 95 % confidence interval) and the
 /// number of observations. Parameters that the recordings do not determine keep the values of the

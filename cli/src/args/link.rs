@@ -242,8 +242,8 @@ pub(crate) struct Run {
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
 
-    /// Smallest allowed distance of the arm to obstacles of --scene, in mm; the motion to the start
-    /// is not checked
+    /// Smallest allowed distance of the arm to obstacles of --scene, in mm; the motion of
+    /// --move-to-start is not checked
     #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = at_least_0)]
     pub(crate) min_clearance: f64,
 

@@ -15,11 +15,11 @@ use super::{LogReading, Urdf};
 /// shows the measured arm and the errors of the plan, as `iiwasim compare` computes them; with
 /// --scene, the obstacles, the tool and the clearance over time.
 ///
-/// A recording of `iiwasim run` contains its program, so its page also shows the plan of this
-/// program beside the recording. Other recordings do not contain a program: their pages show
-/// neither a plan nor a list of motions. A truncated file is shown up to its end, with a note.
-/// Curves of long files are drawn at the resolution of the screen: each pixel column shows the
-/// range from the smallest to the largest value.
+/// A recording of `iiwasim run` or `iiwasim experiment` contains its program, so its page also
+/// shows the plan of this program beside the recording. Other recordings do not contain a program:
+/// their pages show neither a plan nor a list of motions. A truncated file is shown up to its end,
+/// with a note. Curves of long files are drawn at the resolution of the screen: each pixel column
+/// shows the range from the smallest to the largest value.
 #[derive(Args, Debug)]
 pub(crate) struct Report {
     /// An MCAP file of `iiwasim plan`, `run` or `record`, a `DataRecorder` log, or a CSV file with

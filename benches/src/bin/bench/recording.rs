@@ -90,7 +90,7 @@ fn run_job(job: &str, folder: &FilePath) -> Result<String> {
                 "{job}, {} motions, off by {:.1e} s and, with its noise, {:.3} mm",
                 comparison.motions.len(),
                 comparison.cycle_time.error_s,
-                1e3 * comparison.tcp_m.max
+                1e3 * comparison.flange_m.max
             )
         }
         _ => {

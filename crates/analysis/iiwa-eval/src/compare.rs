@@ -7,12 +7,13 @@
 //! planned rest at the start and at the end (settling and waits). `T_s` is the plan's cycle time.
 //!
 //! **Paths.** Each sample is compared with the nearest point of the planned path, regardless of
-//! time: in joint space, in rad, and for the TCP, in m. The nearest points are searched for in the
-//! order of the path, so that a path that reverses is matched correctly.
+//! time: in joint space, in rad, and at the flange, in m. The nearest points are searched for in
+//! the order of the path, so that a path that reverses is matched correctly.
 //!
 //! **Torques.** The planned torques at the matched point are subtracted from the recorded torques.
 //! Planned torques include the payload and the mounting orientation of the plan, and the friction
-//! of the robot. Differences in speed from the plan therefore appear in the result as well.
+//! of the robot. An arm that is faster or slower than planned also shows a difference, since
+//! samples are matched by place and not by time.
 
 mod curve;
 mod deviation;
@@ -62,9 +63,9 @@ pub struct Comparison {
     pub stops: Vec<StopTime>,
     /// Deviation from the path in joint space, in rad.
     pub joints_rad: Deviation,
-    /// Deviation from the TCP path, in m: the distance of the measured TCP from the planned TCP
-    /// path, near the point that was matched in joint space.
-    pub tcp_m: Deviation,
+    /// Deviation from the path of the flange, in m: the distance of the measured flange from the
+    /// planned path, near the point that was matched in joint space.
+    pub flange_m: Deviation,
     /// Largest path deviations of each motion, in order; motions without samples are omitted.
     pub motion_deviations: Vec<MotionDeviation>,
     /// Recorded torques compared with those of the plan, if the recording has any.
@@ -192,7 +193,7 @@ pub fn compare(plan: &PlannedTrajectory, measured: &JointLog) -> Result<Comparis
     let places = followed.place_s.get(from - followed.first..).unwrap_or_default();
     let deviations = deviation::deviations(plan, measured, from..to, places, departure.t_s)
         .ok_or(CompareError::TooFewSamples { samples: 0 })?;
-    let Deviations { joints_rad, tcp_m, motions: motion_deviations, trace } = deviations;
+    let Deviations { joints_rad, flange_m, motions: motion_deviations, trace } = deviations;
     Ok(Comparison {
         cycle_time,
         departure_s: departure.t_s,
@@ -200,7 +201,7 @@ pub fn compare(plan: &PlannedTrajectory, measured: &JointLog) -> Result<Comparis
         motions: timing.motions(plan),
         stops: timing.stops(plan),
         joints_rad,
-        tcp_m,
+        flange_m,
         motion_deviations,
         torques: torques::differences(plan, measured, from..to, places),
         samples: to - from,

@@ -42,7 +42,7 @@ fn a_plan_against_itself_is_without_error() {
                 let real = trajectory(text, timing);
                 let c = compared(&real, Tape { rate_hz, ..Tape::default() });
                 assert!(c.cycle_time.error_s.abs() < 1e-9, "{:?}", c.cycle_time);
-                assert!(c.joints_rad.max < 1e-7 && c.tcp_m.max < 1e-7, "{:?}", c.tcp_m);
+                assert!(c.joints_rad.max < 1e-7 && c.flange_m.max < 1e-7, "{:?}", c.flange_m);
                 let pairs = c.motions.iter().zip(real.motions());
                 for (motion, planned) in pairs {
                     assert!((motion.planned_s - (planned.end_s - planned.start_s)).abs() < 1e-9);
@@ -96,8 +96,8 @@ fn a_stretched_and_shifted_line_is_off_as_computed_by_hand() {
     };
     let (planned, measured) = (at(0.0), at(0.004));
     let off_m = (planned[0] - measured[0]).hypot(planned[1] - measured[1]);
-    assert!((c.tcp_m.mean - off_m).abs() < 1e-8, "{} {off_m}", c.tcp_m.mean);
-    assert!((c.tcp_m.max - off_m).abs() < 1e-6, "{} {off_m}", c.tcp_m.max);
+    assert!((c.flange_m.mean - off_m).abs() < 1e-8, "{} {off_m}", c.flange_m.mean);
+    assert!((c.flange_m.max - off_m).abs() < 1e-6, "{} {off_m}", c.flange_m.max);
 }
 
 /// Clock offsets, rates, pauses, noise and lost samples: the cycle time is within 1 ms.
@@ -128,7 +128,7 @@ fn times_are_found_in_noise() {
                 assert!(miss_s < 1e-3, "{} Hz: {miss_s:.1e} s", tape.rate_hz);
                 let [noise, off] = [c.noise_rad, c.joints_rad.mean];
                 assert!((2e-5..4e-5).contains(&noise) && off < 3e-5, "{noise} {off}");
-                assert!(c.tcp_m.mean < 2e-5, "{}", c.tcp_m.mean);
+                assert!(c.flange_m.mean < 2e-5, "{}", c.flange_m.mean);
             }
         }
     }

@@ -178,7 +178,7 @@ impl JointPath {
         &self.start
     }
 
-    /// The steps of the path, in order: moves, settling, waits.
+    /// The steps of the path, in order: moves, corners, settling, waits.
     ///
     /// ```
     /// use iiwa_kin::Robot;
@@ -365,9 +365,8 @@ impl JointPath {
         self.carried.has_tools
     }
 
-    /// Type of a motion. In a program without tools and frames, only inputs and outputs have a type
-    /// here. For the other entries of such a program, the function returns `None`, because their
-    /// type follows from their steps.
+    /// Type of an entry. `None` for motions and waits of a program without tools and frames, since
+    /// their steps show their types.
     #[must_use]
     pub fn motion_type(&self, motion: MotionIndex) -> Option<MotionType> {
         let of_io = self.io(motion).map(IoEntry::motion_type);

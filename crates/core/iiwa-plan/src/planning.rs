@@ -83,8 +83,8 @@ impl Planning {
         &self.text
     }
 
-    /// Figures of all sections planned so far. Times of groups and repeat blocks, and warnings, are
-    /// added after the last section.
+    /// Figures of all sections returned so far. Times of groups and repeat blocks, and warnings,
+    /// are added after the last section.
     #[must_use]
     pub fn figures(&self) -> &PlanFigures {
         &self.figures
@@ -110,7 +110,7 @@ impl Planning {
         self.figures.warnings.extend(torque_warnings);
     }
 
-    /// Share of the program that is planned so far, 0 to 1.
+    /// Share of the program in the sections returned so far, 0 to 1.
     #[must_use]
     pub fn progress(&self) -> f64 {
         self.planner.progress()

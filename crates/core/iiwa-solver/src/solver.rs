@@ -5,10 +5,11 @@
 //! of the cells, subject to their limits. In each cell, x is a cubic polynomial in f, which runs
 //! from 0 at the start of the cell to 1 at its end. The state of a cell is (x, V, W0, W1): x and V
 //! = dx/df at its start, and W0 and W1, the values of d2x/df2 at its two ends. A Newton step is a
-//! linear-quadratic control problem: x and V are continuous from cell to cell, and W0 and W1 are
-//! the controls. A backward recursion over 2x2 matrices (Riccati) solves it in time linear in the
-//! number of cells. Neighbouring cells can differ in length by a factor of thousands; one banded
-//! system for all x would lose precision there, but the recursion does not.
+//! linear-quadratic control problem: x and dx/dsigma (V divided by the length of the cell) are
+//! continuous from cell to cell, and W0 and W1 are the controls. A backward recursion over 2x2
+//! matrices (Riccati) solves it in time linear in the number of cells. Neighbouring cells can
+//! differ in length by a factor of thousands; one banded system for all x would lose precision
+//! there, but the recursion does not.
 //!
 //! Iterates may be infeasible in two ways. First, slacks need not match their constraints (rows),
 //! which allows long steps. Second, each cell stores its own x and V, so that the end of a cell
@@ -19,9 +20,10 @@
 //! After the limits of a few cells have changed, only a window of cells around them is solved
 //! again, because the change affects the optimum only nearby.
 //!
-//! In the first cell of a section that starts at rest, and in the last cell of a section that ends
-//! at rest, x is not a cubic polynomial. Jerk is constant in these cells, so that x is proportional
-//! to s^(4/3), where s is the distance in sigma from the point of rest.
+//! A section starts and ends at rest. If only a part of it is solved, x and dx/dsigma are given at
+//! each end of the part that is not at rest. In cells that touch rest, x is not a cubic polynomial:
+//! jerk is constant there, so that x is proportional to s^(4/3), where s is the distance in sigma
+//! from the point of rest.
 
 use std::{
     ops::Range,
@@ -308,7 +310,8 @@ impl Solver {
 
     /// Largest ratio of the jerk to its limit in the cells that begin or end at rest.
     pub(crate) fn rest_jerk(&self) -> f64 {
-        // Jerk is proportional to x^(3/2) there.
+        // The constant jerk of such a cell is proportional to x^(3/2), with x at the end that
+        // moves.
         self.rests
             .iter()
             .map(|rest| (rest.x(&self.states) / rest.cap).powf(1.5))

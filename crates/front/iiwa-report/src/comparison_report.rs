@@ -186,8 +186,8 @@ impl From<&Deviation> for TcpRow {
             motion: place.motion.number(),
             plan_s: place.plan_s,
             recording_s: place.recording_s,
-            planned_m: place.planned_tcp_m,
-            measured_m: place.measured_tcp_m,
+            planned_m: place.planned_flange_m,
+            measured_m: place.measured_flange_m,
         }
     }
 }
@@ -230,7 +230,7 @@ impl ComparisonReport {
                 .collect(),
             stops: comparison.stops.iter().map(StopTimeRow::from).collect(),
             joint_deviation: (&comparison.joints_rad).into(),
-            tcp_deviation: (&comparison.tcp_m).into(),
+            tcp_deviation: (&comparison.flange_m).into(),
             torque_difference: comparison.torques.as_ref().map(TorqueErrors::from),
             samples: comparison.samples,
             rate_hz: 1.0 / comparison.step_s,

@@ -266,6 +266,6 @@ fn row(motion: &MotionTime, name: Option<String>, comparison: &Comparison) -> Va
         error_percent: measured_s.filter(|measured_s| *measured_s > 0.0).map(error),
         worst_joint: off.map(|off| off.joint.number()),
         joint_off_deg: off.map(|off| off.joint_rad.to_degrees()),
-        tcp_off_mm: off.map(|off| 1e3 * off.tcp_m),
+        tcp_off_mm: off.map(|off| 1e3 * off.flange_m),
     }
 }

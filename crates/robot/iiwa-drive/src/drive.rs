@@ -2,10 +2,10 @@
 //!
 //! | thread | task |
 //! |---|---|
-//! | requests | receives client requests and sends replies |
+//! | requests | exchanges messages with clients: receives requests, sends all replies |
 //! | dispatcher | serves requests and instructs the robot program |
 //! | checks | parses clients' motions and trajectories, and checks them before they run |
-//! | replies | writes replies with run measurements |
+//! | replies | serialises long replies, those with the measurements of a run, for `requests` |
 //! | state | receives and acknowledges state changes of the robot program |
 //! | FRI | answers the controller every cycle, sends trajectory set-points |
 //! | publish | publishes measurements and states on the stream |
@@ -98,7 +98,9 @@ pub struct Drive {
 const STREAM_BACKLOG: usize = 2000;
 
 impl Drive {
-    /// Starts a drive that accepts `clients` and connects to `cabinet`.
+    /// Starts a drive at the addresses of the configuration. `clients` says who may connect:
+    /// anyone, or the owners of permitted keys. `cabinet` contains the keys for the connection to
+    /// the cabinet, if any.
     ///
     /// # Errors
     ///

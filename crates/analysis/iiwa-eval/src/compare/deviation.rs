@@ -13,7 +13,7 @@ use super::plan::PlannedTrajectory;
 /// Deviation of the recorded path from the planned one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// Mean along the planned path: in rad in joint space, or in m for the TCP.
+    /// Mean along the planned path: in rad in joint space, or in m for the flange.
     pub mean: f64,
     /// Largest deviation.
     pub max: f64,
@@ -34,10 +34,10 @@ pub struct Location {
     pub planned_rad: Joints,
     /// Measured joints, in rad.
     pub measured_rad: Joints,
-    /// Planned TCP (the flange centre), in m.
-    pub planned_tcp_m: [f64; 3],
-    /// Measured TCP (the flange centre), in m.
-    pub measured_tcp_m: [f64; 3],
+    /// Planned position of the flange, in m.
+    pub planned_flange_m: [f64; 3],
+    /// Measured position of the flange, in m.
+    pub measured_flange_m: [f64; 3],
 }
 
 /// Sample for plots.
@@ -47,12 +47,12 @@ pub struct TracePoint {
     pub plan_s: f64,
     /// Recorded time, in s from the start of the motion.
     pub measured_s: f64,
-    /// Measured TCP (the flange centre), in m.
-    pub tcp_m: [f64; 3],
+    /// Measured position of the flange, in m.
+    pub flange_m: [f64; 3],
     /// Distance to the planned path in joint space, in rad.
     pub joints_rad: f64,
-    /// Distance to the planned TCP path, in m.
-    pub tcp_deviation_m: f64,
+    /// Distance to the planned path of the flange, in m.
+    pub flange_deviation_m: f64,
 }
 
 /// Maximum number of points of a trace.
@@ -61,14 +61,14 @@ const TRACE: usize = 10_000;
 /// Deviations over a range of samples.
 pub(super) struct Deviations {
     pub(super) joints_rad: Deviation,
-    pub(super) tcp_m: Deviation,
+    pub(super) flange_m: Deviation,
     /// Largest deviations of each motion.
     pub(super) motions: Vec<MotionDeviation>,
     /// Subset of the samples.
     pub(super) trace: Vec<TracePoint>,
 }
 
-/// Computes the deviations in joint space and of the TCP over a range of samples.
+/// Computes the deviations in joint space and of the flange over a range of samples.
 pub(super) fn deviations(
     plan: &PlannedTrajectory,
     log: &JointLog,
@@ -79,7 +79,7 @@ pub(super) fn deviations(
     let curve = &plan.curve;
     let thinned = samples.len().div_ceil(TRACE).max(1);
     let mut trace = Vec::with_capacity(samples.len() / thinned + 2);
-    let (mut joints, mut tcp) = (Sum::default(), Sum::default());
+    let (mut joints, mut flange) = (Sum::default(), Sum::default());
     let mut motions = MotionDeviations::default();
     let mut farthest = f64::NEG_INFINITY;
     let last = samples.len().checked_sub(1)?;
@@ -92,43 +92,43 @@ pub(super) fn deviations(
         let way = if farthest.is_finite() { (arc - farthest).max(0.0) } else { 0.0 };
         farthest = farthest.max(arc);
         let off_rad = distance(q, &planned);
-        let tcp_m = plan.robot().flange_position(q);
-        let off_m = tcp_distance(plan, plan_s, (&planned, &rate), tcp_m);
+        let flange_m = plan.robot().flange_position(q);
+        let off_m = flange_distance(plan, plan_s, (&planned, &rate), flange_m);
         motions.add(plan.motion_at(plan_s), &sub(q, &planned), off_m);
         joints.add(off_rad, way, i, plan_s);
-        tcp.add(off_m, way, i, plan_s);
+        flange.add(off_m, way, i, plan_s);
         if k % thinned == 0 || k == last {
             trace.push(TracePoint {
                 plan_s,
                 measured_s: log.t_s[i] - start_s,
-                tcp_m,
+                flange_m,
                 joints_rad: off_rad,
-                tcp_deviation_m: off_m,
+                flange_deviation_m: off_m,
             });
         }
     }
     Some(Deviations {
         joints_rad: joints.deviation(plan, log),
-        tcp_m: tcp.deviation(plan, log),
+        flange_m: flange.deviation(plan, log),
         motions: motions.all(),
         trace,
     })
 }
 
-/// Returns the distance of a point from the planned TCP path near the matched planned time: the
-/// nearest point of the TCP path is not exactly that of the nearest joint positions.
-fn tcp_distance(
+/// Returns the distance of a point from the planned path of the flange near the matched planned
+/// time: the nearest point of that path is not exactly that of the nearest joint positions.
+fn flange_distance(
     plan: &PlannedTrajectory,
     plan_s: f64,
     (planned, rate): (&Joints, &Joints),
-    tcp_m: [f64; 3],
+    flange_m: [f64; 3],
 ) -> f64 {
     let (robot, curve): (&Robot, _) = (plan.robot(), &plan.curve);
     let (mut at_s, mut q, mut dq) = (plan_s, *planned, *rate);
     let mut nearest = f64::MAX;
     for _ in 0..4 {
         let (p, v) = robot.flange_motion(&q, &dq);
-        let to: [f64; 3] = std::array::from_fn(|k| tcp_m[k] - p[k]);
+        let to: [f64; 3] = std::array::from_fn(|k| flange_m[k] - p[k]);
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let off = dot(&to, &to).sqrt();
         if off >= nearest {
@@ -136,7 +136,7 @@ fn tcp_distance(
         }
         nearest = off;
         let (along, speed) = (dot(&to, &v), dot(&v, &v));
-        // No gain if the TCP hardly moves, or if the point is already perpendicular to the path.
+        // No gain if the flange hardly moves, or if the point is already perpendicular to the path.
         if speed <= 1e-12 || along.abs() <= 1e-3 * off * speed.sqrt() {
             break;
         }
@@ -179,8 +179,8 @@ impl Sum {
                 recording_s: log.t_s[i],
                 planned_rad,
                 measured_rad,
-                planned_tcp_m: plan.robot().flange_position(&planned_rad),
-                measured_tcp_m: plan.robot().flange_position(&measured_rad),
+                planned_flange_m: plan.robot().flange_position(&planned_rad),
+                measured_flange_m: plan.robot().flange_position(&measured_rad),
             },
         }
     }

@@ -49,7 +49,7 @@ pub(crate) fn comparison(
     let names = [Path::new(&first.name), Path::new(&second.name)];
     let compared = Compared {
         report: ComparisonReport::new(names, None, &plan, &second.log, &comparison),
-        tcp_mm: deviation(&comparison, start_s, |point| 1e3 * point.tcp_deviation_m),
+        tcp_mm: deviation(&comparison, start_s, |point| 1e3 * point.flange_deviation_m),
         joints_mrad: deviation(&comparison, start_s, |point| 1e3 * point.joints_rad),
     };
     Ok((compared, start_s - comparison.departure_s, comparison.motions))

@@ -24,7 +24,7 @@ pub fn draw(plan: &PlannedTrajectory, comparison: &Comparison) -> Result<String,
         .map(|k| plan.at(plan.cycle_time_s() * f64::from(k) / f64::from(POINTS)))
         .map(|q| mm(plan.robot().flange_position(&q)))
         .collect();
-    let measured: Vec<_> = comparison.trace.iter().map(|point| mm(point.tcp_m)).collect();
+    let measured: Vec<_> = comparison.trace.iter().map(|point| mm(point.flange_m)).collect();
     let space = Space::of(planned.iter().chain(&measured).copied());
     svg([WIDTH, HEIGHT], |root| {
         let (top, bottom) = root.split_vertically(FINE * HEIGHT * 11 / 20);
@@ -39,7 +39,7 @@ pub fn draw(plan: &PlannedTrajectory, comparison: &Comparison) -> Result<String,
             draw_paths(&top, &space, best, (&planned, &measured))?;
         }
         let (flange, joints) = bottom.split_vertically(FINE * HEIGHT * 9 / 40);
-        let flange_off = |point: &TracePoint| 1e3 * point.tcp_deviation_m;
+        let flange_off = |point: &TracePoint| 1e3 * point.flange_deviation_m;
         draw_deviation(&flange, ("Flange off its path", "mm"), comparison, flange_off)?;
         let joints_off = |point: &TracePoint| 1e3 * point.joints_rad;
         draw_deviation(&joints, ("Joints off their path", "mrad"), comparison, joints_off)
