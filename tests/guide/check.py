@@ -17,12 +17,13 @@ processed in order:
     ```python  and the `text` after it are left to `python/tests/test_guide.py`.
 
 A comment before a fence changes its meaning (MARKS). `--renew` writes the actual outputs into the
-pages.
+pages, with the same parts left out.
 """
 
 import argparse
 import contextlib
 import ctypes
+import difflib
 import fcntl
 import json
 import os
@@ -278,6 +279,36 @@ def agrees(expected, found):
     return bool(found) and same(expected[0], found[0]) and agrees(expected[1:], found[1:])
 
 
+def renewed(expected, found):
+    """The lines found, cut at each `...` of those expected; None where a line after one has no
+    counterpart: a line of the same words. Of several, it is the one that resembles it most.
+    """
+    if all(line.strip() != "..." for line in expected):
+        return found
+
+    def shape(line):
+        return re.sub(r"[\s─]+", " ", NUMBER.sub("#", line)).strip()
+
+    lines, at, is_cut = [], 0, False
+    for line in expected:
+        if line.strip() == "...":
+            lines.append(line)
+            is_cut = True
+            continue
+        if is_cut:
+            alike = [i for i in range(at, len(found)) if shape(found[i]) == shape(line)]
+            at = max(
+                alike,
+                key=lambda i: difflib.SequenceMatcher(None, line, found[i]).ratio(),
+                default=len(found),
+            )
+        if at >= len(found):
+            return None
+        lines.append(found[at])
+        at, is_cut = at + 1, False
+    return lines if is_cut else lines + found[at:]
+
+
 def compare(page, fence, outputs):
     page.outputs += 1
     stream = outputs[1 if "standard error" in fence.marks else 0]
@@ -285,7 +316,7 @@ def compare(page, fence, outputs):
     expected = [line.rstrip() for line in fence.text.strip("\n").split("\n")]
     if not agrees(expected, found):
         page.wrong(fence, "is not what the command prints:\n" + "\n".join(found))
-        return "\n".join(found)
+        return renewed(expected, found)
     return None
 
 
@@ -419,8 +450,7 @@ def check_page(path, binary, renew):
     if renew and replaced:
         lines = path.read_text(encoding="utf-8").split("\n")
         for line, (old, new) in sorted(replaced.items(), reverse=True):
-            if "..." not in old.split("\n"):
-                lines[line : line + len(old.split("\n"))] = new.split("\n")
+            lines[line : line + len(old.split("\n"))] = new
         path.write_text("\n".join(lines), encoding="utf-8")
     return page
 

@@ -5,16 +5,12 @@ use std::{ops::Range, sync::Arc};
 use iiwa_kin::{Joint, Joints, Pose, Robot, vector};
 
 use crate::{
-    cartesian::{
-        corner::CurvedCorner,
-        joint_curve::CurveInterval,
-        leg::{Leg, legs},
-        tcp_path::TcpPath,
-    },
+    cartesian::{corner::CurvedCorner, joint_curve::CurveInterval, leg::Leg, tcp_path::TcpPath},
     circle::CircularBlend,
     continuity::Continuity,
     crossing::{BlendSearch, HALF, tcp_distance_mm},
     joint_spline::{JointSpline, Sigma},
+    legs::Legs,
     line::Line,
     options::{BlendShape, PathOptions},
     polynomial::PolynomialBlend,
@@ -29,20 +25,21 @@ use iiwa_program::{Blend, Fault, Motion, MotionIndex, OperatingMode, PathBlend, 
 /// 1 nm.
 const NO_MOTION_RAD: f64 = 1e-9;
 
-/// Returns the path steps of the motions in `range` of `program`, which has been checked.
+/// Returns the path steps of the motions in `range` of `program`, which has been checked, and whose
+/// motions are `legs`.
 pub(crate) fn steps(
     program: &Program,
     robot: &Arc<Robot>,
     options: PathOptions,
+    legs: &Legs<'_>,
     range: Range<usize>,
 ) -> Result<Vec<Step>, Fault> {
-    let legs = Legs::new(program, robot)?;
     let is_t1 = program.workcell.mode == OperatingMode::T1;
     // T1 limits the TCP speed of all motions, also in programs without frames.
     let has_tcps = is_t1 || program.has_frames() || program.workcell.tool.is_some();
     let tcps = has_tcps.then(|| program.tcps()).transpose()?;
     let supervised = tcps.clone().filter(|_| is_t1);
-    let corners = Corners { program, robot, options, legs: &legs, tcps };
+    let corners = Corners { program, robot, options, legs, tcps };
     let mut steps = Builder { robot, supervised, steps: Vec::with_capacity(2 * range.len()) };
     // Part of the next motion that the blend before it does not replace. If `range` starts within
     // the program, that blend may lie before `range`.
@@ -95,40 +92,6 @@ pub(crate) fn steps(
         remainder = corner.map(RoundedCorner::after);
     }
     Ok(steps.steps)
-}
-
-/// The motions of a program on one robot, with their start and end in joint space. Without frames
-/// in the program, they are computed on demand instead of listed.
-enum Legs<'a> {
-    InJoints { program: &'a Program, start_rad: Joints },
-    Listed(Vec<Option<Leg>>),
-}
-
-impl<'a> Legs<'a> {
-    fn new(program: &'a Program, robot: &Arc<Robot>) -> Result<Self, Fault> {
-        match program.start.joints_rad() {
-            Some(start_rad) if !program.has_frames() => {
-                Ok(Self::InJoints { program, start_rad: *start_rad })
-            }
-            _ => legs(program, robot).map(Self::Listed),
-        }
-    }
-
-    /// Returns the motion at `index`, or `None` for a wait, a load, or an index out of range.
-    fn get(&self, index: usize) -> Option<Leg> {
-        match self {
-            Self::Listed(legs) => legs.get(index)?.clone(),
-            Self::InJoints { program, start_rad } => {
-                let target = |entry: &Motion| match entry {
-                    Motion::Ptp(ptp) => Some(ptp.target_rad),
-                    _ => None,
-                };
-                let to_rad = target(program.motions.get(index)?)?;
-                let from_rad = program.motions[..index].iter().rev().find_map(target);
-                Some(Leg { ends_rad: [from_rad.unwrap_or(*start_rad), to_rad], paths: Vec::new() })
-            }
-        }
-    }
 }
 
 /// The remainder of a motion: the part that the blend before it does not replace.
@@ -204,7 +167,7 @@ impl Corners<'_> {
         if is_still(&leg) || is_still(&next) {
             return Ok(None);
         }
-        let corner = CurvedCorner::new(self.robot, self.options, &tcp_m, [&leg, &next], &size);
+        let corner = CurvedCorner::new(self.robot, self.options, &tcp_m, [&*leg, &*next], &size);
         let corner = corner.map_err(|error| Fault::Cartesian {
             motion: Some(motion),
             key: "blend",

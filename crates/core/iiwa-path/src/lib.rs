@@ -43,6 +43,7 @@ mod continuity;
 mod crossing;
 mod join;
 mod joint_spline;
+mod legs;
 mod line;
 mod options;
 mod path;

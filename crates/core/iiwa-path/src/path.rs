@@ -11,6 +11,7 @@ use crate::{
     builder::steps,
     carried::Carried,
     join::{JoinError, check_joins},
+    legs::{Legs, ListedLegs},
     options::PathOptions,
     segment::Segment,
     step::{Corner, SplineStop, Step},
@@ -51,6 +52,9 @@ pub struct JointPath {
     steps: Arc<Vec<Step>>,
     limits: Arc<Vec<MotionLimits>>,
     carried: Arc<Carried>,
+    /// Motions of a program with frames, which updates keep where they can. Paths without updates
+    /// need no memory for them.
+    legs: Option<ListedLegs>,
 }
 
 impl JointPath {
@@ -103,7 +107,8 @@ impl JointPath {
         program.check(robot.limits())?;
         let all = 0..program.motions.len();
         let robot = Arc::new(robot.clone());
-        let steps = steps(program, &robot, options, all)?;
+        let legs = Legs::new(program, &robot)?;
+        let steps = steps(program, &robot, options, &legs, all)?;
         let carried = Carried::new(program)?;
         Ok(Self {
             start: program.start_rad(&robot)?,
@@ -115,6 +120,7 @@ impl JointPath {
                     .collect(),
             ),
             carried: Arc::new(carried),
+            legs: None,
             robot,
             steps: Arc::new(steps),
         })
@@ -163,6 +169,7 @@ impl JointPath {
             steps: Arc::new(steps),
             limits: Arc::new(limits),
             carried: Arc::default(),
+            legs: None,
         })
     }
 

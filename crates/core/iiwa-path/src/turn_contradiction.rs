@@ -4,7 +4,7 @@ use std::{fmt, sync::Arc};
 
 use iiwa_kin::{Joints, Robot, Turn};
 
-use crate::cartesian::leg::legs;
+use crate::legs::Legs;
 use iiwa_program::{
     CartesianMotion, Course, Fault, Motion, MotionIndex, OrientationType, Program, SegmentCourse,
     Start, TargetRef,
@@ -83,8 +83,9 @@ impl TurnContradiction {
         if let Some(stated) = at_start {
             contradictions.extend(contradiction(None, stated, &program.start_rad(&robot)?));
         }
-        for (index, (stated, leg)) in at_ends.into_iter().zip(legs(program, &robot)?).enumerate() {
-            let (Some(stated), Some(leg)) = (stated, leg) else { continue };
+        let legs = Legs::new(program, &robot)?;
+        for (index, stated) in at_ends.into_iter().enumerate() {
+            let (Some(stated), Some(leg)) = (stated, legs.get(index)) else { continue };
             let motion = Some(MotionIndex::new(index));
             contradictions.extend(contradiction(motion, stated, &leg.ends_rad[1]));
         }

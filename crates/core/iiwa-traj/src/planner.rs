@@ -123,6 +123,44 @@ impl Planner {
         self.clock = ProgramClock::default();
     }
 
+    /// Continues at another step of the path, the first after a standstill; the next section then
+    /// begins at time 0. For programs in which waits overlap motions, this is of no use: their
+    /// sections depend on those before.
+    ///
+    /// ```
+    /// use iiwa_kin::Robot;
+    /// use iiwa_path::JointPath;
+    /// use iiwa_program::Program;
+    /// use iiwa_traj::{Planner, Timing};
+    ///
+    /// let program = Program::from_deg([0.0; 7])
+    ///     .ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0])
+    ///     .ptp_deg([0.0; 7])
+    ///     .build();
+    /// let path = JointPath::new(&program, &Robot::default())?;
+    /// let mut planner = Planner::new(&path, Timing::default());
+    /// let first = planner.next().ok_or("no section")??;
+    /// let second_step = planner.step();
+    /// planner.restart(&path);
+    /// planner.skip_to(second_step);
+    /// let second = planner.next().ok_or("no section")??;
+    /// assert_eq!(second.start_s(), 0.0);
+    /// assert_eq!(planner.step(), path.steps().len());
+    /// # let _ = first;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn skip_to(&mut self, step: usize) {
+        (self.step, self.time_s) = (step, 0.0);
+        self.ahead = None;
+    }
+
+    /// Returns the step at which the next section begins; after the last section, the number of
+    /// steps.
+    #[must_use]
+    pub fn step(&self) -> usize {
+        self.step
+    }
+
     /// Uses `stop` as the flag that interrupts planning. Soon after the caller has set the flag to
     /// true, planning ends with [`TimingError::Interrupted`], even in the middle of a section.
     #[must_use]

@@ -3,7 +3,7 @@
 use std::{ops::Range, sync::atomic::AtomicBool};
 
 use iiwa_kin::Robot;
-use iiwa_path::{JointPath, PathOptions, Step};
+use iiwa_path::{JointPath, PathOptions, ReplacedSteps, Step};
 use iiwa_program::{Motion, MotionIndex, Program};
 
 use crate::{
@@ -97,7 +97,8 @@ impl Replanner {
         path_options: PathOptions,
         options: JerkOptions,
     ) -> Result<Self, PlanError> {
-        let path = JointPath::with_options(&program, robot, path_options)?;
+        let mut path = JointPath::with_options(&program, robot, path_options)?;
+        path.prepare_updates(&program)?;
         let steps = path.steps().len();
         let mut replanner = Self {
             program,
@@ -154,6 +155,9 @@ impl Replanner {
     /// If the program has no such motion.
     pub fn replace(&mut self, motion: MotionIndex, new: Motion) -> Result<(), PlanError> {
         let limits = self.path.limits()[motion.index()];
+        let is_load = [&self.program.motions[motion.index()], &new]
+            .into_iter()
+            .any(|entry| matches!(entry, Motion::Load(_)));
         let old = std::mem::replace(&mut self.program.motions[motion.index()], new);
         let replaced = match self.path.update(&self.program, self.path_options, motion) {
             Ok(replaced) => replaced,
@@ -170,6 +174,13 @@ impl Replanner {
             }
             return Ok(());
         }
+        // Another payload changes the torques of all motions after it.
+        let replaced = match self.path.torque_limit_rel() {
+            Some(_) if is_load => {
+                ReplacedSteps { before: 0..self.plans.len(), after: 0..self.path.steps().len() }
+            }
+            _ => replaced,
+        };
         // Without nodes: `state` then reads the states at both ends from the unchanged neighbours.
         let blank = replaced.after.clone().map(|_| StepPlan::default());
         let before: Vec<_> = self.plans.splice(replaced.before, blank).collect();
@@ -179,7 +190,7 @@ impl Replanner {
         if let Err(error) = self.plan(replaced.after.clone(), around) {
             self.plans.splice(replaced.after, before);
             self.program.motions[motion.index()] = old;
-            // Restores the old path, which was feasible.
+            // Restores the old path, which was feasible, within rounding.
             self.path.update(&self.program, self.path_options, motion)?;
             return Err(error.into());
         }

@@ -15,7 +15,7 @@ use super::{
     tcp_path::TcpPath,
 };
 use iiwa_program::{
-    CartesianFault, CartesianMotion, Course, Fault, Motion, OrientationType, Program,
+    CartesianFault, CartesianMotion, Course, Fault, Motion, MotionIndex, OrientationType, Program,
 };
 
 /// A motion on one robot.
@@ -27,30 +27,29 @@ pub(crate) struct Leg {
     pub(crate) paths: Vec<TcpPath>,
 }
 
-/// Returns the motions in order, each from the end of the one before; `None` for waits and loads.
-pub(crate) fn legs(program: &Program, robot: &Arc<Robot>) -> Result<Vec<Option<Leg>>, Fault> {
-    let mut at_rad = program.start_rad(robot)?;
-    let mut legs = Vec::with_capacity(program.motions.len());
-    for (motion, entry) in program.entries() {
-        let leg = match entry {
-            Motion::Ptp(ptp) => Some(Leg { ends_rad: [at_rad, ptp.target_rad], paths: Vec::new() }),
-            Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => None,
-            Motion::Cartesian(cartesian) => {
-                Some(leg(program, robot, &at_rad, cartesian).map_err(|(key, fault)| {
-                    Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) }
-                })?)
-            }
-        };
-        if let Some(leg) = &leg {
-            at_rad = leg.ends_rad[1];
+/// Builds the motion of an entry, which starts at `from_rad`; `None` for waits and loads.
+pub(crate) fn leg(
+    program: &Program,
+    robot: &Arc<Robot>,
+    from_rad: &Joints,
+    motion: MotionIndex,
+    entry: &Motion,
+) -> Result<Option<Leg>, Fault> {
+    match entry {
+        Motion::Ptp(ptp) => {
+            Ok(Some(Leg { ends_rad: [*from_rad, ptp.target_rad], paths: Vec::new() }))
         }
-        legs.push(leg);
+        Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => Ok(None),
+        Motion::Cartesian(cartesian) => {
+            to_frame(program, robot, from_rad, cartesian).map(Some).map_err(|(key, fault)| {
+                Fault::Cartesian { motion: Some(motion), key, fault: Box::new(fault) }
+            })
+        }
     }
-    Ok(legs)
 }
 
 /// Builds a motion to a frame that starts at `from_rad`.
-fn leg(
+fn to_frame(
     program: &Program,
     robot: &Arc<Robot>,
     from_rad: &Joints,

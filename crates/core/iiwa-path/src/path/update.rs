@@ -1,9 +1,17 @@
 //! Update of a path after a change of one motion.
 
-use std::{ops::Range, sync::Arc};
+use std::{
+    ops::{Range, RangeInclusive},
+    sync::Arc,
+};
+
+use iiwa_kin::Pose;
 
 use super::JointPath;
-use crate::{builder::steps, carried::Carried, options::PathOptions, segment::Segment, step::Step};
+use crate::{
+    builder::steps, carried::Carried, legs::Legs, options::PathOptions, segment::Segment,
+    step::Step,
+};
 use iiwa_program::{Fault, Motion, MotionIndex, MotionLimits, Program};
 
 /// Steps that an [update](JointPath::update) replaced. All other steps are unchanged.
@@ -16,9 +24,23 @@ pub struct ReplacedSteps {
 }
 
 impl JointPath {
+    /// Lists the motions of `program`, from which the path was built, so that its first
+    /// [update](Self::update) recomputes as little as later ones. Without this call, the first
+    /// update of a program with frames recomputes all motions.
+    ///
+    /// # Errors
+    ///
+    /// None for the program of the path.
+    pub fn prepare_updates(&mut self, program: &Program) -> Result<(), Fault> {
+        self.legs = Legs::new(program, &self.robot)?.listed().cloned();
+        Ok(())
+    }
+
     /// Changes the path of a program into that of `program`, which differs in one `motion`.
     /// Recomputes only what depends on that motion: the blends at its target and at those of its
-    /// two neighbours, and the lines in between.
+    /// two neighbours, and the lines in between. A motion to a frame may end in other joints if it
+    /// starts in others: motions after a changed one are recomputed up to the first that starts
+    /// where it did, within rounding (1e-12 rad). `options` have to be those of the path.
     ///
     /// # Errors
     ///
@@ -29,30 +51,58 @@ impl JointPath {
         options: PathOptions,
         motion: MotionIndex,
     ) -> Result<ReplacedSteps, Fault> {
-        // A motion to a frame ends in joints that depend on its start, and so do all motions after
-        // it. A wait that overlaps motions also affects all of them.
-        let overlaps = |program: &Program| program.motions.iter().any(Motion::is_overlapping_wait);
-        let range =
-            if program.has_frames() || overlaps(program) || !self.overlapping_waits().is_empty() {
-                0..program.motions.len()
-            } else {
-                affected(&program.motions, motion.index())
-            };
-        program.check_motions(range.clone(), self.robot.limits())?;
+        self.update_all(program, options, motion..=motion)
+    }
+
+    /// As [`update`](Self::update), for a program that differs in the motions of a range.
+    ///
+    /// # Errors
+    ///
+    /// As for [`update`](Self::update).
+    pub fn update_all(
+        &mut self,
+        program: &Program,
+        options: PathOptions,
+        motions: RangeInclusive<MotionIndex>,
+    ) -> Result<ReplacedSteps, Fault> {
+        let motions = motions.start().index()..motions.end().index() + 1;
+        let all = 0..program.motions.len();
+        if program.has_frames() {
+            program.check_motions(all.clone(), self.robot.limits())?;
+        }
+        let (legs, mut range) =
+            Legs::changed(program, &self.robot, self.legs.as_ref(), motions.clone())?;
+        // A wait that overlaps motions affects all of them.
+        let overlaps = program.motions.iter().any(Motion::is_overlapping_wait);
+        if overlaps || !self.overlapping_waits().is_empty() {
+            range = all;
+        }
+        if !program.has_frames() {
+            program.check_motions(range.clone(), self.robot.limits())?;
+        }
         let before = self.steps_of(&range);
-        let mut new = steps(program, &self.robot, options, range)?;
+        let mut new = steps(program, &self.robot, options, &legs, range)?;
         let carried = Carried::new(program)?;
 
-        let limits = MotionLimits::of_motion(
-            &self.robot,
-            &program.motions[motion.index()],
-            &program.workcell,
-        );
-        // Equal curves with other limits are replaced as well: their timing changes.
-        let changed = limits != self.limits[motion.index()];
+        let limits: Vec<_> = program.motions[motions.clone()]
+            .iter()
+            .map(|entry| MotionLimits::of_motion(&self.robot, entry, &program.workcell))
+            .collect();
+        // Equal curves with other limits are replaced as well: their timing changes. In T1, so it
+        // does with another TCP.
+        let changed: Vec<_> = motions
+            .clone()
+            .zip(&limits)
+            .filter(|(index, limits)| {
+                let tcp = carried.tcps.get(*index).unwrap_or(&Pose::IDENTITY);
+                **limits != self.limits[*index] || tcp != self.tcp(MotionIndex::new(*index))
+            })
+            .map(|(index, _)| MotionIndex::new(index))
+            .collect();
         let is_same = |old: &Step, new: &Step| {
-            let is_limited = matches!(new, Step::Move { motion: index, .. } if *index == motion);
-            old.is_same(new) && !(changed && is_limited)
+            let is_limited =
+                matches!(new, Step::Move { motion: index, .. } if changed.contains(index));
+            old.is_same(new) && !is_limited
         };
         // New steps that are equal to the old ones are not replaced.
         let old = &self.steps[before.clone()];
@@ -67,7 +117,8 @@ impl JointPath {
 
         // All that can fail precedes the first change: after an error, the path is unchanged.
         self.carried = Arc::new(carried);
-        Arc::make_mut(&mut self.limits)[motion.index()] = limits;
+        self.legs = legs.listed().cloned();
+        Arc::make_mut(&mut self.limits)[motions].copy_from_slice(&limits);
         Arc::make_mut(&mut self.steps).splice(replaced.clone(), new);
         Ok(ReplacedSteps { before: replaced, after })
     }
@@ -85,16 +136,6 @@ impl JointPath {
         let before = |bound: usize| self.steps.partition_point(|step| motion(step) < bound);
         before(range.start)..before(range.end)
     }
-}
-
-/// Motions whose steps may change with the motion at `index`.
-fn affected(motions: &[Motion], index: usize) -> Range<usize> {
-    let is_ptp = |place: &usize| matches!(motions[*place], Motion::Ptp(_));
-    // The motion before is blended into this one.
-    let first = (0..index).rev().find(is_ptp).unwrap_or(index);
-    // The next motion is blended into the one after it.
-    let last = (index + 1..motions.len()).filter(is_ptp).take(2).last().unwrap_or(index);
-    first..last + 1
 }
 
 impl Step {
