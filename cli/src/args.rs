@@ -2,6 +2,7 @@
 
 #[cfg(feature = "live")]
 mod addresses;
+mod advise;
 mod answering;
 #[cfg(feature = "bridge")]
 mod bridge;
@@ -53,6 +54,7 @@ use crate::{
     settings::{self, SettingsFile},
 };
 
+pub(crate) use advise::{Advise, ChosenRows};
 pub(crate) use answering::Answering;
 #[cfg(feature = "opcua")]
 pub(crate) use bridge_opcua::OpcUa;
@@ -183,6 +185,7 @@ pub(crate) enum CliCommand {
     Plan(Plan),
     Compare(Compare),
     Diff(Diff),
+    Advise(Advise),
     Report(Report),
     Identify(Identify),
     Validate(Validate),

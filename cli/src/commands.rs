@@ -1,5 +1,6 @@
 //! One file per command; commands of an optional feature share a folder.
 
+pub(crate) mod advise;
 #[cfg(feature = "bridge")]
 pub(crate) mod brokers;
 pub(crate) mod compare;

@@ -73,6 +73,7 @@ fn run(command: CliCommand) -> Result<(), Failure> {
         CliCommand::Plan(options) => commands::plan::run(&options),
         CliCommand::Compare(options) => commands::compare::run(&options),
         CliCommand::Diff(options) => commands::diff::run(&options),
+        CliCommand::Advise(options) => commands::advise::run(&options),
         CliCommand::Validate(options) => commands::validate::run(&options),
         CliCommand::Report(options) => commands::report::run(&options),
         CliCommand::Identify(options) => commands::identify::run(&options),

@@ -22,7 +22,6 @@ pub(crate) enum OutputKind {
     #[cfg(feature = "live")]
     Recording,
     Profile,
-    #[cfg(feature = "sunrise")]
     Program,
     #[cfg(feature = "sunrise")]
     Frames,
@@ -47,7 +46,6 @@ impl OutputKind {
             #[cfg(feature = "live")]
             Self::Recording => "recording",
             Self::Profile => "profile",
-            #[cfg(feature = "sunrise")]
             Self::Program => "program",
             #[cfg(feature = "sunrise")]
             Self::Frames => "file of frames",
@@ -69,9 +67,9 @@ impl OutputKind {
             // A picture has the format that its extension names.
             Self::Picture(_) => None,
             Self::Page => Some(("HTML", "html")),
-            Self::Profile => Some(("JSON", "json")),
+            Self::Profile | Self::Program => Some(("JSON", "json")),
             #[cfg(feature = "sunrise")]
-            Self::Program | Self::Frames => Some(("JSON", "json")),
+            Self::Frames => Some(("JSON", "json")),
             #[cfg(feature = "sunrise")]
             Self::DataFile => Some(("XML", "xml")),
             #[cfg(feature = "sunrise")]

@@ -1,5 +1,6 @@
 //! Tests of the command as a process: its options, output, files and exit codes.
 
+mod advise;
 mod carried_shapes;
 mod compare;
 mod diff;

@@ -8,12 +8,21 @@ use crate::tests::architecture::sources::{files, root, shown, text};
 
 /// Calls, and the folders that may contain them.
 const CALLS: [(&str, &[&str]); 6] = [
-    ("Planner::new(", &["crates/core/iiwa-traj", "crates/core/iiwa-plan"]),
+    // Searches for faster programs plan single sections of changed paths.
+    (
+        "Planner::new(",
+        &["crates/core/iiwa-traj", "crates/core/iiwa-plan", "crates/analysis/iiwa-optimise"],
+    ),
     ("Program::from_json_with(", &["crates/core/iiwa-program", "crates/core/iiwa-plan"]),
     ("Program::merged_json(", &["crates/core/iiwa-program", "crates/core/iiwa-plan"]),
     (
         "JointPath::on_other_robot(",
-        &["crates/core/iiwa-path", "crates/core/iiwa-plan", "crates/analysis/iiwa-eval"],
+        &[
+            "crates/core/iiwa-path",
+            "crates/core/iiwa-plan",
+            "crates/analysis/iiwa-eval",
+            "crates/analysis/iiwa-optimise",
+        ],
     ),
     (".torque_warnings()", &["crates/core/iiwa-plan"]),
     ("TurnContradiction::all(", &["crates/core/iiwa-path", "crates/core/iiwa-plan"]),

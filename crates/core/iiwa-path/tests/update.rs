@@ -142,14 +142,16 @@ fn frames() -> Program {
         let blend = if i < 23 && i % 7 != 5 { r#", "blend": { "cart_mm": 15 }"# } else { "" };
         let kind = if i % 5 == 1 { "ptp" } else { "lin" };
         let frame = format!(
-            r#"{{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z}, "a_deg": 0, "b_deg": 180, "c_deg": 0{e1} }}"#
+            r#"{{ "x_mm": {x}, "y_mm": {y}, "z_mm": {z}, "a_deg": 0, "b_deg": 180,
+                  "c_deg": 0{e1} }}"#
         );
         format!(r#"{{ "type": "{kind}", "frame": {frame}{blend} }}"#)
     };
     let motions: Vec<_> = (0..24).map(motion).collect();
     let start = r#"{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }"#;
     let text = format!(
-        r#"{{ "version": 1, "tools": {{ "pen": {{ "tcp": {{ "z_mm": 30 }} }} }}, "start": {start}, "motions": [{}] }}"#,
+        r#"{{ "version": 1, "tools": {{ "pen": {{ "tcp": {{ "z_mm": 30 }} }} }},
+              "start": {start}, "motions": [{}] }}"#,
         motions.join(", ")
     );
     Program::from_json(&text).unwrap()

@@ -83,5 +83,5 @@ pub use tool_limits::ToolLimits;
 pub use wire::{MAX_ERRORS, ProgramError};
 pub use workcell::{
     Base, MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT, NameFault, OperatingMode,
-    Tool, Workcell,
+    ROBOT, Tool, Workcell,
 };

@@ -140,7 +140,7 @@ fn listed(names: &[String]) -> String {
 /// Name of the bare flange among tools.
 pub(crate) const FLANGE: &str = "flange";
 /// Name of the robot base among bases.
-pub(crate) const ROBOT: &str = "robot";
+pub const ROBOT: &str = "robot";
 
 impl Workcell {
     /// TCP of a tool in the flange frame, by its name `TOOL` or `TOOL/TIP`; of the tool in use by

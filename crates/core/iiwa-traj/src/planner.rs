@@ -74,6 +74,8 @@ pub struct Planner {
     ahead: Option<PlannedAhead>,
     /// Index of the next step of the path.
     step: usize,
+    /// `true` if the further limits were found to allow the path at rest.
+    is_checked: bool,
     time_s: f64,
     /// Joint positions at the last stop, in rad.
     rest_rad: Joints,
@@ -95,6 +97,7 @@ impl Planner {
             threads: None,
             ahead: None,
             step: 0,
+            is_checked: false,
             time_s: 0.0,
             rest_rad: *path.start_rad(),
             clock: ProgramClock::default(),
@@ -119,7 +122,7 @@ impl Planner {
         self.sections.set_path(path);
         self.ahead = None;
         self.rest_rad = *path.start_rad();
-        (self.step, self.time_s) = (0, 0.0);
+        (self.step, self.time_s, self.is_checked) = (0, 0.0, false);
         self.clock = ProgramClock::default();
     }
 
@@ -271,9 +274,12 @@ impl Planner {
     /// Plans the moves up to the next stop, and the standstill there.
     fn plan_section(&mut self) -> Result<Section, TimingError> {
         let first = self.step;
-        if first == 0 {
-            // Once, before the caller gets any section of the path.
+        // Once, before the caller gets any section of the path.
+        if !self.is_checked {
             self.sections.limits.check(&self.sections.path)?;
+            self.is_checked = true;
+        }
+        if first == 0 {
             self.start_ahead();
         }
         let overlaps = self.overlaps();

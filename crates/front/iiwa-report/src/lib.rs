@@ -8,9 +8,10 @@
 //!   plan.
 //! - [`ExperimentKind`] lists the experiments, those of the thesis (Larsen 2019) and those of this
 //!   project, and writes the [`Chapter`] of each.
-//! - [`ComparisonReport`], [`DifferenceReport`], [`IdentificationReport`], [`ImportReport`],
-//!   [`plan_table`] and [`Summary`] format results as text and tables.
+//! - [`AdviceReport`], [`ComparisonReport`], [`DifferenceReport`], [`IdentificationReport`],
+//!   [`ImportReport`], [`plan_table`] and [`Summary`] format results as text and tables.
 
+mod advice_report;
 mod comparison_report;
 mod difference_clearance;
 mod difference_groups;
@@ -36,6 +37,7 @@ mod table;
 mod validation_report;
 mod warning;
 
+pub use advice_report::AdviceReport;
 pub use comparison_report::ComparisonReport;
 pub use difference_report::DifferenceReport;
 pub use difference_summary::{DifferenceSummary, ProgramDifference};

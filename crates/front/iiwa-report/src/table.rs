@@ -10,7 +10,7 @@ use comfy_table::{
 const SHOWN: usize = 100;
 
 /// Titles of text columns; all others are columns of numbers.
-const TEXT: [&str; 34] = [
+const TEXT: [&str; 35] = [
     "name",
     "round",
     "block",
@@ -45,6 +45,7 @@ const TEXT: [&str; 34] = [
     "why",
     "trend",
     "assumed",
+    "change",
 ];
 
 /// Creates a table with a header; columns of numbers are right-aligned.

@@ -58,6 +58,8 @@ pub use iiwa_kin as kin;
 pub use iiwa_link as link;
 #[cfg(feature = "log")]
 pub use iiwa_log as log;
+#[cfg(feature = "optimise")]
+pub use iiwa_optimise as optimise;
 #[cfg(feature = "page")]
 pub use iiwa_page as page;
 #[cfg(feature = "plan")]

@@ -1,0 +1,171 @@
+//! Changes of a program.
+
+use std::fmt;
+
+use iiwa_program::{
+    Course, LimitKind, Motion, MotionIndex, PathBlend, Program, ROBOT, Target, TargetRef, Workcell,
+};
+
+/// A change of a program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    /// Motion that changes; of several motions the first.
+    pub motion: MotionIndex,
+    /// Kind of the change, with its values.
+    pub kind: ChangeKind,
+}
+
+/// Kind of a change, with its values.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ChangeKind {
+    /// Another E1 (position of A3) at the target of the motion, and at those of the motions to
+    /// frames that follow it, up to `last`: the difference is the same for all of them.
+    Elbow {
+        /// E1 at the target of the first motion, in rad.
+        from_rad: f64,
+        /// New E1 there, in rad.
+        to_rad: f64,
+        /// Last motion that changes.
+        last: MotionIndex,
+    },
+    /// A blend of this radius about the target, in place of another blend or of a stop. The program
+    /// does not wait for the end of the motion any more.
+    Blend {
+        /// Blend before; `None` for a stop.
+        from: Option<PathBlend>,
+        /// Radius, in mm.
+        to_mm: f64,
+    },
+    /// Full speed of a point-to-point motion.
+    FullSpeed {
+        /// Smallest share of a joint's velocity limit before.
+        from_rel: f64,
+    },
+    /// A motion without a blend whose end the program does not wait for: the standstill is shorter.
+    NoWaitForEnd,
+}
+
+impl Change {
+    /// Last motion that changes.
+    #[must_use]
+    pub fn last(&self) -> MotionIndex {
+        match self.kind {
+            ChangeKind::Elbow { last, .. } => last,
+            _ => self.motion,
+        }
+    }
+
+    /// Returns the changed program; `None` if the program has no such motion.
+    #[must_use]
+    pub fn apply(&self, program: &Program) -> Option<Program> {
+        let mut changed = program.clone();
+        let entry = changed.motions.get_mut(self.motion.index())?;
+        match &self.kind {
+            ChangeKind::Elbow { from_rad, to_rad, last } => {
+                let range = self.motion.index()..=last.index();
+                let motions = changed.motions.get_mut(range)?;
+                let by_rad = to_rad - from_rad;
+                for motion in motions {
+                    turn_elbow(motion, &changed.workcell, by_rad);
+                }
+            }
+            ChangeKind::Blend { to_mm, .. } => {
+                let blend = PathBlend::cart_mm(*to_mm);
+                match entry {
+                    Motion::Ptp(ptp) => {
+                        ptp.blend = blend.in_joints();
+                        ptp.blocking = false;
+                    }
+                    Motion::Cartesian(cartesian) => {
+                        cartesian.blend = Some(blend);
+                        cartesian.blocking = false;
+                    }
+                    Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => return None,
+                }
+            }
+            ChangeKind::FullSpeed { .. } => match entry {
+                Motion::Ptp(ptp) => ptp.velocity_rel = [1.0; 7],
+                Motion::Cartesian(cartesian) => cartesian.shares[LimitKind::Velocity] = [1.0; 7],
+                Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => return None,
+            },
+            ChangeKind::NoWaitForEnd => match entry {
+                Motion::Ptp(ptp) => ptp.blocking = false,
+                Motion::Cartesian(cartesian) => cartesian.blocking = false,
+                Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => return None,
+            },
+        }
+        Some(changed)
+    }
+}
+
+/// Adds an angle to the E1 of a motion's target, if the motion states it.
+fn turn_elbow(motion: &mut Motion, workcell: &Workcell, by_rad: f64) {
+    let Motion::Cartesian(cartesian) = motion else { return };
+    match &mut cartesian.course {
+        Course::LinRel { e1_rad, .. } => *e1_rad = e1_rad.map(|e1_rad| e1_rad + by_rad),
+        Course::Ptp { to } | Course::Lin { to } => turn_target(to, workcell, by_rad),
+        Course::Circ(circ) => turn_target(&mut circ.to, workcell, by_rad),
+        Course::Spline(_) => {}
+    }
+}
+
+/// Adds an angle to the E1 of a target. A named frame becomes a target of this motion alone, since
+/// other motions may use the frame as well. The signs of the joints (`turn`) are those of the old
+/// elbow angle, and are left out.
+fn turn_target(target: &mut TargetRef, workcell: &Workcell, by_rad: f64) {
+    let Some(Target { e1_rad: Some(e1_rad), .. }) = given(target, workcell) else { return };
+    let e1_rad = Some(e1_rad + by_rad);
+    match target {
+        TargetRef::Given(target) => (target.e1_rad, target.turn) = (e1_rad, None),
+        TargetRef::Named(name) => {
+            if let Some(frame) = workcell.frames.get(name) {
+                // The base of the motion does not apply to named frames.
+                let base = frame.base.clone().or_else(|| workcell.base.clone());
+                let base = Some(base.unwrap_or_else(|| ROBOT.to_owned()));
+                let turned = Target { base, e1_rad, turn: None, ..frame.clone() };
+                *target = TargetRef::Given(turned);
+            }
+        }
+    }
+}
+
+/// Returns the target behind a reference, if it is known.
+pub(crate) fn given<'a>(target: &'a TargetRef, workcell: &'a Workcell) -> Option<&'a Target> {
+    match target {
+        TargetRef::Given(target) => Some(target),
+        TargetRef::Named(name) => workcell.frames.get(name),
+    }
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.kind {
+            ChangeKind::Elbow { from_rad, to_rad, last } => {
+                let [from, to] = [from_rad, to_rad].map(|angle| tenths(angle.to_degrees()));
+                write!(f, "E1 {from} -> {to} deg")?;
+                if *last == self.motion { Ok(()) } else { write!(f, ", and on to motion {last}") }
+            }
+            ChangeKind::Blend { from: Some(from), to_mm } => {
+                match (from.cart_mm, from.sunrise_rel, from.fraction) {
+                    (Some(mm), ..) => write!(f, "blend {} ", tenths(mm)),
+                    (_, Some(share), _) => write!(f, "blend sunrise_rel {share} "),
+                    (_, _, Some(share)) => write!(f, "blend fraction {share} "),
+                    _ => write!(f, "blend "),
+                }?;
+                write!(f, "-> {} mm", tenths(*to_mm))
+            }
+            ChangeKind::Blend { from: None, to_mm } => {
+                write!(f, "stop -> blend {} mm", tenths(*to_mm))
+            }
+            ChangeKind::FullSpeed { from_rel } => write!(f, "velocity_rel {from_rel} -> 1"),
+            ChangeKind::NoWaitForEnd => write!(f, "move -> moveAsync"),
+        }
+    }
+}
+
+/// Rounds to tenths, without a trailing zero.
+fn tenths(value: f64) -> f64 {
+    // Adding zero turns -0 into 0.
+    (value * 10.0).round() / 10.0 + 0.0
+}

@@ -1,0 +1,127 @@
+//! Exact cycle times of the versions of a program.
+
+use std::sync::{Arc, atomic::AtomicBool};
+
+use iiwa_kin::Robot;
+use iiwa_path::{JointPath, ReplacedSteps};
+use iiwa_plan::PlanOptions;
+use iiwa_program::Program;
+use iiwa_traj::{PlanError, Planner, TimingError, Trajectory};
+
+use crate::change::Change;
+
+/// An error of advising: the program cannot be planned as it is, or the search was interrupted.
+pub type AdviseError = PlanError;
+
+/// A program as it is, with its path and the durations of its sections.
+#[derive(Clone, Debug)]
+pub(crate) struct Version {
+    pub(crate) program: Program,
+    pub(crate) cycle_time_s: f64,
+    path: JointPath,
+    /// First step of each section.
+    starts: Vec<usize>,
+    /// Duration of each section, in s.
+    durations_s: Vec<f64>,
+}
+
+/// Planner of changed programs. Sections that a change leaves as they are, are not planned again.
+#[derive(Debug)]
+pub(crate) struct CycleTimes<'a> {
+    robot: &'a Robot,
+    options: &'a PlanOptions,
+    stop: &'a Arc<AtomicBool>,
+    planner: Option<Planner>,
+}
+
+impl<'a> CycleTimes<'a> {
+    pub(crate) fn new(
+        robot: &'a Robot,
+        options: &'a PlanOptions,
+        stop: &'a Arc<AtomicBool>,
+    ) -> Self {
+        Self { robot, options, stop, planner: None }
+    }
+
+    /// Plans a whole program.
+    pub(crate) fn plan(&mut self, program: &Program) -> Result<Trajectory, PlanError> {
+        let path = JointPath::on_other_robot(program, self.robot, self.options.path)?;
+        Ok(Trajectory::by(self.planner(&path))?)
+    }
+
+    /// Plans a whole program, as the one that changes refer to.
+    pub(crate) fn version(&mut self, program: &Program) -> Result<Version, PlanError> {
+        let mut path = JointPath::on_other_robot(program, self.robot, self.options.path)?;
+        path.prepare_updates(program)?;
+        let planner = self.planner(&path);
+        let (mut starts, mut durations_s, mut cycle_time_s) = (Vec::new(), Vec::new(), 0.0);
+        loop {
+            let start = planner.step();
+            let Some(section) = planner.next().transpose()? else { break };
+            starts.push(start);
+            durations_s.push(section.end_s() - section.start_s());
+            cycle_time_s = section.end_s();
+        }
+        Ok(Version { program: program.clone(), cycle_time_s, path, starts, durations_s })
+    }
+
+    /// Cycle time after a change, in s, and the changed program; `None` if the robot cannot execute
+    /// it.
+    pub(crate) fn changed(&mut self, version: &Version, change: &Change) -> Option<(Program, f64)> {
+        let program = change.apply(&version.program)?;
+        let mut path = version.path.clone();
+        let motions = change.motion..=change.last();
+        let replaced = path.update_all(&program, self.options.path, motions).ok()?;
+        let overlaps = !path.overlapping_waits().is_empty();
+        let cycle_time_s = if overlaps {
+            Trajectory::by(self.planner(&path)).ok()?.cycle_time_s()
+        } else {
+            self.with_new_sections(version, &path, &replaced).ok()?
+        };
+        Some((program, cycle_time_s))
+    }
+
+    /// Cycle time of a changed path, in s: sections with replaced steps are planned.
+    fn with_new_sections(
+        &mut self,
+        version: &Version,
+        path: &JointPath,
+        replaced: &ReplacedSteps,
+    ) -> Result<f64, TimingError> {
+        let Version { starts, durations_s, .. } = version;
+        // From the section before the first replaced step: a stop may have become a blend.
+        let after = starts.partition_point(|start| *start < replaced.before.start);
+        let first = after.saturating_sub(1);
+        let planner = self.planner(path);
+        planner.skip_to(starts.get(first).copied().unwrap_or(0));
+        let mut cycle_time_s: f64 = durations_s[..first].iter().sum();
+        loop {
+            let step = planner.step();
+            // The same step in the path before the change, if it is after the replaced ones.
+            let old_step = step.checked_sub(replaced.after.end);
+            let old_step = old_step.map(|beyond| replaced.before.end + beyond);
+            let kept = old_step.and_then(|old_step| starts.binary_search(&old_step).ok());
+            if let Some(kept) = kept {
+                return Ok(cycle_time_s + durations_s[kept..].iter().sum::<f64>());
+            }
+            match planner.next().transpose()? {
+                Some(section) => cycle_time_s += section.end_s() - section.start_s(),
+                None => return Ok(cycle_time_s),
+            }
+        }
+    }
+
+    /// Returns the planner, at the start of `path`.
+    fn planner(&mut self, path: &JointPath) -> &mut Planner {
+        match &mut self.planner {
+            Some(planner) => {
+                planner.restart(path);
+                planner
+            }
+            empty => {
+                let planner = Planner::new(path, self.options.timing).with_threads(1);
+                empty.insert(planner.interrupted_by(Arc::clone(self.stop)))
+            }
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Changes that save time, and what they leave as it is.
+
+use std::sync::{
+    Arc, LazyLock,
+    atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed},
+};
+
+use iiwa_kin::{Pose, Robot};
+use iiwa_optimise::{Advice, AdviceRow, Adviser, Change, ChangeKind};
+use iiwa_plan::PlanOptions;
+use iiwa_program::{CartesianMotion, Motion, MotionIndex, Program, Target, TargetRef};
+use iiwa_traj::Trajectory;
+
+/// Programs in joint space and with frames, lines, circles, tools and waits.
+const PROGRAMS: [&str; 5] = [
+    include_str!("../../../../fixtures/appendix-b.json"),
+    include_str!("../../../../fixtures/ten-motions.json"),
+    include_str!("../../../../fixtures/waits-and-stops.json"),
+    include_str!("../../../../fixtures/pick-and-place.json"),
+    include_str!("../../../../fixtures/sunrise/cell/expected.json"),
+];
+
+fn adviser(program: &Program) -> Adviser {
+    let robot = program.robot.as_deref().map_or_else(|| Some(Robot::default()), Robot::built_in);
+    Adviser::new(program.with_flange(robot.unwrap()), PlanOptions::default())
+}
+
+/// Advice for each of the programs; searched for once, since it takes seconds.
+static ADVICE: LazyLock<Vec<(Program, Adviser, Advice)>> = LazyLock::new(|| {
+    let advise = |text: &&str| {
+        let program = Program::from_json(text).unwrap();
+        let adviser = adviser(&program);
+        let advice = adviser.advise(&program).unwrap();
+        (program, adviser, advice)
+    };
+    PROGRAMS.iter().map(advise).collect()
+});
+
+#[test]
+fn each_row_is_confirmed_by_a_plan() {
+    let mut rows = 0;
+    for (program, adviser, advice) in ADVICE.iter() {
+        let mut all = program.clone();
+        let mut all_s = advice.cycle_time_s;
+        for row in &advice.rows {
+            let alone = row.change.apply(program).unwrap();
+            let alone_s = adviser.plan(&alone).unwrap().cycle_time_s();
+            let saved_s = advice.cycle_time_s - alone_s;
+            assert!((saved_s - row.saved_s).abs() < 1e-6, "{}: {saved_s} {row:?}", row.change);
+            assert!(row.saved_s >= 1e-3 && row.saved_on_top_s >= 1e-3, "{row:?}");
+            all = row.change.apply(&all).unwrap();
+            let with_all_s = adviser.plan(&all).unwrap().cycle_time_s();
+            assert!((all_s - with_all_s - row.saved_on_top_s).abs() < 1e-6, "{row:?}");
+            all_s = with_all_s;
+            rows += 1;
+        }
+        assert_eq!(all, advice.program);
+        assert!((all_s - advice.changed_cycle_time_s).abs() < 1e-6);
+        let falling = advice.rows.windows(2).all(|pair| pair[0].saved_s >= pair[1].saved_s);
+        assert!(falling, "{:?}", advice.rows);
+    }
+    assert!(rows > 10, "{rows}");
+}
+
+/// The program of a Sunrise application, whose frames state their E1.
+#[test]
+fn a_palletising_program_becomes_faster() {
+    let (_, _, advice) = &ADVICE[4];
+    let share = 1.0 - advice.changed_cycle_time_s / advice.cycle_time_s;
+    assert!(share > 0.14, "{share}");
+    let is_elbow = |row: &AdviceRow| matches!(row.change.kind, ChangeKind::Elbow { .. });
+    assert!(advice.rows.iter().any(is_elbow));
+}
+
+/// Pose in the robot base at which a motion ends; `None` for an offset.
+fn pose(program: &Program, motion: &CartesianMotion) -> Option<Pose> {
+    let target = motion.target()?;
+    Some(program.workcell.target(target, motion.base.as_deref()).unwrap().1)
+}
+
+/// Frames, speeds of TCP paths, waits, inputs and outputs are those of the program.
+#[test]
+fn poses_and_process_speeds_stay() {
+    for (program, _, advice) in ADVICE.iter() {
+        assert_eq!(program.motions.len(), advice.program.motions.len());
+        for (old, new) in program.motions.iter().zip(&advice.program.motions) {
+            match (old, new) {
+                (Motion::Ptp(old), Motion::Ptp(new)) => {
+                    assert_eq!(old.target_rad, new.target_rad);
+                    assert_eq!(old.acceleration_rel, new.acceleration_rel);
+                }
+                (Motion::Cartesian(old), Motion::Cartesian(new)) => {
+                    assert_eq!(old.tool_limits, new.tool_limits);
+                    assert_eq!((&old.tool, &old.base), (&new.tool, &new.base));
+                    assert_eq!(old.orientation, new.orientation);
+                    if !old.is_ptp() {
+                        assert_eq!(old.shares, new.shares);
+                    }
+                    assert_eq!(pose(program, old), pose(&advice.program, new));
+                }
+                (old, new) => assert_eq!(old, new),
+            }
+        }
+    }
+}
+
+/// The base of a motion does not apply to a named frame; the base of the program does.
+#[test]
+fn another_elbow_angle_keeps_the_pose_of_a_named_frame() {
+    for base in ["", r#""base": "cell","#] {
+        let text = format!(
+            r#"{{ "version": 1, {base}
+                "bases": {{ "table": {{ "y_mm": 60 }}, "cell": {{ "y_mm": -40 }} }},
+                "frames": {{ "q": {{ "x_mm": 500, "y_mm": 0, "z_mm": 400, "a_deg": 0, "b_deg": 180,
+                                     "c_deg": 0, "e1_deg": 10, "status": 2, "turn": 2 }} }},
+                "start": {{ "joints_deg": [0, 30, 0, -60, 0, 90, 0] }},
+                "motions": [{{ "type": "ptp", "frame": "q", "base": "table" }}] }}"#
+        );
+        let program = Program::from_json(&text).unwrap();
+        let motion = MotionIndex::new(0);
+        let kind = ChangeKind::Elbow { from_rad: 0.0, to_rad: 0.4, last: motion };
+        let changed = Change { motion, kind }.apply(&program).unwrap();
+        let [Motion::Cartesian(old)] = &program.motions[..] else { panic!() };
+        let [Motion::Cartesian(new)] = &changed.motions[..] else { panic!() };
+        assert_ne!(old, new);
+        assert_eq!(pose(&program, old), pose(&changed, new));
+        // The signs of the joints may be others.
+        let Some(TargetRef::Given(target)) = new.target() else { panic!() };
+        assert_eq!(target.turn, None);
+    }
+}
+
+/// E1 stays within 90 degrees of that of the program.
+#[test]
+fn elbow_angles_stay_in_their_range() {
+    let kinds = ADVICE.iter().flat_map(|(_, _, advice)| &advice.rows).map(|row| &row.change.kind);
+    for kind in kinds {
+        if let ChangeKind::Elbow { from_rad, to_rad, .. } = kind {
+            assert!((to_rad - from_rad).abs() <= 91.0_f64.to_radians(), "{kind:?}");
+        }
+    }
+}
+
+#[test]
+fn a_rule_keeps_changes_away() {
+    let program = Program::from_json(PROGRAMS[4]).unwrap();
+    let adviser = adviser(&program);
+    let advice = adviser.advise_within(&program, &|_| false).unwrap();
+    assert!(advice.rows.is_empty());
+    assert_eq!(advice.program, program);
+    assert_eq!(advice.changed_cycle_time_s, advice.cycle_time_s);
+    let blends = adviser.clone().with_max_blend_mm(0.0).advise(&program).unwrap();
+    assert!(blends.rows.iter().all(|row| !matches!(row.change.kind, ChangeKind::Blend { .. })));
+}
+
+#[test]
+fn waits_and_single_motions_have_nothing_to_change() {
+    for program in [
+        Program::from_deg([0.0; 7]).wait_s(1.0).build(),
+        Program::from_deg([0.0; 7]).ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0]).build(),
+    ] {
+        let advice = adviser(&program).advise(&program).unwrap();
+        assert!(advice.rows.is_empty());
+    }
+}
+
+#[test]
+fn a_stop_flag_ends_the_search() {
+    let program = Program::from_json(PROGRAMS[4]).unwrap();
+    let stop = Arc::new(AtomicBool::new(true));
+    let stopped = adviser(&program).interrupted_by(Arc::clone(&stop));
+    assert!(stopped.advise(&program).is_err());
+    // Set in the middle of the search: no part of a table is returned.
+    stop.store(false, Relaxed);
+    let calls = AtomicUsize::new(0);
+    let rule = |_: &Trajectory| {
+        stop.fetch_or(calls.fetch_add(1, Relaxed) > 20, Relaxed);
+        true
+    };
+    assert!(stopped.advise_within(&program, &rule).is_err());
+    assert!(calls.load(Relaxed) > 20);
+}
+
+/// A named frame may be used elsewhere, too: a change of E1 concerns one motion.
+#[test]
+fn another_elbow_angle_leaves_the_named_frame() {
+    let program = Program::from_json(PROGRAMS[4]).unwrap();
+    let named = |motion: &Motion| match motion {
+        Motion::Cartesian(cartesian) => matches!(cartesian.target(), Some(TargetRef::Named(_))),
+        _ => false,
+    };
+    let motion = MotionIndex::new(program.motions.iter().position(named).unwrap());
+    let kind = ChangeKind::Elbow { from_rad: 0.0, to_rad: 0.1, last: motion };
+    let changed = Change { motion, kind }.apply(&program).unwrap();
+    assert_eq!(changed.workcell, program.workcell);
+    let Motion::Cartesian(cartesian) = &changed.motions[motion.index()] else { panic!() };
+    assert!(matches!(cartesian.target(), Some(TargetRef::Given(Target { e1_rad: Some(_), .. }))));
+}
