@@ -11,7 +11,7 @@ use iiwa_scene::ArmInScene;
 use iiwa_traj::{PlanError, SweepOptions, Trajectory};
 
 use crate::{
-    application::application,
+    application::program_or_application,
     args::{Advise, ChosenRows},
     failure::{Failure, print_note},
     input::{self, Input},
@@ -23,11 +23,7 @@ use crate::{
 /// Prints the changes that save time, and writes the program with some of them.
 pub(crate) fn run(options: &Advise) -> Result<(), Failure> {
     let robot = options.robot.as_deref();
-    let mut input = if options.program.is_dir() {
-        application(&options.program, &options.answering, robot)?
-    } else {
-        input::program(&options.program, robot)?
-    };
+    let mut input = program_or_application(&options.program, &options.answering, robot)?;
     input.request.options.timing = options.timing.with(SweepOptions::default());
     if let Some(path) = &options.output {
         output::keep_existing(OutputKind::Program, path, options.overwrite)?;

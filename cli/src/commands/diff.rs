@@ -16,7 +16,7 @@ use iiwa_scene::{ArmInScene, Scene};
 use iiwa_traj::SweepOptions;
 
 use crate::{
-    application::application,
+    application::program_or_application,
     args::Diff,
     commands::plan::programs_in,
     failure::{Failure, print_note},
@@ -138,11 +138,7 @@ fn version(options: &Diff, scene: Option<&Scene>, path: &Path) -> Result<PlanVer
         return Ok(plan);
     }
     let robot = options.robot.as_deref();
-    let mut input = if path.is_dir() {
-        application(path, &options.answering, robot)?
-    } else {
-        input::program(path, robot)?
-    };
+    let mut input = program_or_application(path, &options.answering, robot)?;
     input.request.options.timing = options.timing.with(SweepOptions::default());
     let plan = input.plan()?;
     let mut version = PlanVersion::from(&plan);

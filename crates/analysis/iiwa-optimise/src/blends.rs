@@ -1,6 +1,6 @@
 //! Motions that can end in a blend.
 
-use iiwa_program::{CART_MM_MIN, Motion, MotionIndex, PathBlend, Program};
+use iiwa_program::{CART_MM_MIN, Motion, MotionIndex, Program};
 
 use crate::change::{Change, ChangeKind};
 
@@ -11,7 +11,7 @@ const RADII_MM: [f64; 10] = [5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 70.0, 100.
 /// smaller radii first.
 pub(crate) fn blends(program: &Program, max_mm: f64) -> Vec<Vec<Change>> {
     let tried = |motion: MotionIndex| {
-        let from = blend(&program.motions[motion.index()]);
+        let from = program.motions[motion.index()].blend();
         let radii = RADII_MM.into_iter().filter(|radius_mm| *radius_mm < max_mm);
         // A smaller blend is a stop.
         let radii = radii.chain((max_mm >= CART_MM_MIN).then_some(max_mm));
@@ -37,12 +37,4 @@ fn ends_in_motion(program: &Program) -> impl Iterator<Item = MotionIndex> + '_ {
         entry.moves() && next.moves() && loads.get(index) == loads.get(index + 1)
     };
     pairs.filter(moves_on).map(|((motion, _), _)| motion)
-}
-
-fn blend(entry: &Motion) -> Option<PathBlend> {
-    match entry {
-        Motion::Ptp(ptp) => ptp.blend.map(PathBlend::from),
-        Motion::Cartesian(cartesian) => cartesian.blend,
-        Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => None,
-    }
 }

@@ -19,7 +19,7 @@ use crate::{
     step::{Corner, SplineStop, Step},
     supervised::SupervisedSegment,
 };
-use iiwa_program::{Blend, Fault, Motion, MotionIndex, OperatingMode, PathBlend, Program};
+use iiwa_program::{Blend, Fault, Motion, MotionIndex, OperatingMode, Program};
 
 /// Joint distance, in rad, below which a motion is rounding error: it moves the flange by about
 /// 1 nm.
@@ -142,11 +142,7 @@ impl Corners<'_> {
     fn at_end_of(&self, index: usize) -> Result<Option<RoundedCorner>, Fault> {
         let motion = MotionIndex::new(index);
         let Some(leg) = self.legs.get(index) else { return Ok(None) };
-        let size = match &self.program.motions[index] {
-            Motion::Ptp(ptp) => ptp.blend.map(PathBlend::from),
-            Motion::Cartesian(cartesian) => cartesian.blend,
-            Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => None,
-        };
+        let size = self.program.motions[index].blend();
         let (Some(size), Some(next)) = (size, self.legs.get(self.next(motion).index())) else {
             return Ok(None);
         };

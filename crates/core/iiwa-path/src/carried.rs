@@ -62,4 +62,9 @@ impl Carried {
             sources: program.sources.clone(),
         })
     }
+
+    /// TCP of the motion at `index`, in the flange frame.
+    pub(crate) fn tcp(&self, index: usize) -> &Pose {
+        self.tcps.get(index).unwrap_or(&Pose::IDENTITY)
+    }
 }

@@ -251,7 +251,7 @@ impl JointPath {
     /// ```
     #[must_use]
     pub fn tcp(&self, motion: MotionIndex) -> &Pose {
-        self.carried.tcps.get(motion.index()).unwrap_or(&Pose::IDENTITY)
+        self.carried.tcp(motion.index())
     }
 
     /// Payload during a motion, if any; see [`Program::loads`].

@@ -6,7 +6,7 @@ use iiwa_kin::{Joint, Joints, Limits, Robot};
 
 use crate::{
     blend::Blend,
-    cartesian_motion::CartesianMotion,
+    cartesian_motion::{CartesianMotion, PathBlend},
     fault::Fault,
     flange_load::FlangeLoad,
     io_entry::IoEntry,
@@ -103,6 +103,17 @@ impl Motion {
             Self::Ptp(ptp) => ptp.blocking,
             Self::Cartesian(cartesian) => cartesian.blocking,
             Self::Wait { .. } | Self::Load(_) | Self::Io(_) => false,
+        }
+    }
+
+    /// Blend at the target of a motion; `None` for other entries, and for a motion that ends in a
+    /// stop.
+    #[must_use]
+    pub fn blend(&self) -> Option<PathBlend> {
+        match self {
+            Self::Ptp(ptp) => ptp.blend.map(PathBlend::from),
+            Self::Cartesian(cartesian) => cartesian.blend,
+            Self::Wait { .. } | Self::Load(_) | Self::Io(_) => None,
         }
     }
 

@@ -5,8 +5,6 @@ use std::{
     sync::Arc,
 };
 
-use iiwa_kin::Pose;
-
 use super::JointPath;
 use crate::{
     builder::steps, carried::Carried, legs::Legs, options::PathOptions, segment::Segment,
@@ -94,8 +92,7 @@ impl JointPath {
             .clone()
             .zip(&limits)
             .filter(|(index, limits)| {
-                let tcp = carried.tcps.get(*index).unwrap_or(&Pose::IDENTITY);
-                **limits != self.limits[*index] || tcp != self.tcp(MotionIndex::new(*index))
+                **limits != self.limits[*index] || carried.tcp(*index) != self.carried.tcp(*index)
             })
             .map(|(index, _)| MotionIndex::new(index))
             .collect();
