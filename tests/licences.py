@@ -14,14 +14,12 @@ from license_expression import get_spdx_licensing
 
 ROOT = Path(__file__).parent.parent
 SPDX = get_spdx_licensing()
-# The wheel has a lock file of its own.
-MANIFESTS = ["Cargo.toml", "python/Cargo.toml"]
 
 
-def dependencies(manifest: str, target: str) -> set[tuple[str, str]]:
+def dependencies(target: str) -> set[tuple[str, str]]:
     """Names with version and source, and licences, of all packages for a target."""
     command = ["cargo", "tree", "--locked", "--workspace", "--all-features", "--target", target]
-    command += ["--manifest-path", manifest, "--prefix", "none", "--format", "{p}|{l}"]
+    command += ["--prefix", "none", "--format", "{p}|{l}"]
     lines = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
     lines = (line.removesuffix(" (*)") for line in lines.splitlines())
     return {tuple(line.rsplit("|", 1)) for line in lines if line}
@@ -55,9 +53,8 @@ def main() -> int:
     allowed = set(rules["licenses"]["allow"])
     exceptions = {rule["crate"]: set(rule["allow"]) for rule in rules["licenses"]["exceptions"]}
     packages = set()
-    for manifest in MANIFESTS:
-        for target in rules["graph"]["targets"]:
-            packages |= dependencies(manifest, target)
+    for target in rules["graph"]["targets"]:
+        packages |= dependencies(target)
     faults = [fault(*package, allowed, exceptions) for package in sorted(packages)]
     print("\n".join(filter(None, faults)) or f"{len(packages)} packages have allowed licences")
     return 1 if any(faults) else 0

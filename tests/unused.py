@@ -12,7 +12,7 @@ import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-WORKSPACES = [".", "python", "tests/peers", "tests/fuzz"]
+WORKSPACES = [".", "tests/fuzz"]
 
 
 def metadata(workspace: str) -> dict:

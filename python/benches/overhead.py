@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Overhead of the Python package compared with Rust alone.
 
-    python/benches/overhead.py python/target/release/native [WHEEL]
+    python/benches/overhead.py target/release/native [WHEEL]
 
 Rust and Python run in turns, under the same machine load; medians are compared.
 """

@@ -1,5 +1,15 @@
 //! The native part of the Python package `iiwasim`.
 
+// Methods for Python take what PyO3 gives them, and return Python's `None`; docstrings are its own.
+#![allow(
+    clippy::doc_link_with_quotes,
+    clippy::doc_markdown,
+    clippy::missing_errors_doc,
+    clippy::must_use_candidate,
+    clippy::needless_pass_by_value,
+    clippy::unnecessary_wraps
+)]
+
 mod arguments;
 mod arrays;
 mod errors;

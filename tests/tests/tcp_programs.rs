@@ -80,7 +80,7 @@ fn faults(TcpProgram { robot, program, .. }: &TcpProgram) -> Vec<String> {
 
 #[test]
 fn all_limits_are_kept() {
-    let count = if std::env::var_os("IIWASIM_LONG").is_some() { 2000 } else { 60 };
+    let count = if std::env::var_os("IIWASIM_LONG").is_some() { 2000 } else { 30 };
     let mut refused = BTreeMap::<_, usize>::new();
     let mut wrong = 0;
     for index in 0..count {
@@ -212,7 +212,7 @@ fn targets_of(segment: &mut SplineSegment) -> Vec<&mut TargetRef> {
 #[test]
 fn scaled_limits_scale_time() {
     const FACTOR: f64 = 1.7;
-    for index in 0..60 {
+    for index in 0..30 {
         let TcpProgram { robot, program, .. } = tcp_program(4, index);
         let mut slow = program.clone();
         for motion in &mut slow.motions {

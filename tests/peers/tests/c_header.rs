@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use cbindgen::{Builder, Config};
 
-/// `IIWASIM_RENEW=1 cargo test --manifest-path tests/peers/Cargo.toml c_header` writes it anew.
+/// `IIWASIM_RENEW=1 cargo test -p iiwasim-peers --features peers c_header` writes it anew.
 #[test]
 fn the_header_is_that_of_the_sources() {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../crates/front/iiwa-c"));
@@ -22,6 +22,6 @@ fn the_header_is_that_of_the_sources() {
     assert!(
         committed == text,
         "include/iiwasim.h is not what the sources say: \
-         IIWASIM_RENEW=1 cargo test --manifest-path tests/peers/Cargo.toml c_header writes it anew"
+         IIWASIM_RENEW=1 cargo test -p iiwasim-peers --features peers c_header writes it anew"
     );
 }
