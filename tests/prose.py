@@ -78,6 +78,7 @@ SAME_MEANING = {
     "Python wrappers are named after the type that they wrap": {
         "Clearance": "python scene",
         "Comparison": "eval python",
+        "Optimum": "optimise python",
         "Plan": "plan python",
         "Program": "program python",
         "Recording": "log python",

@@ -25,11 +25,13 @@ mod import;
 mod link;
 mod log_reading;
 mod model;
+mod optimise;
 mod plan;
 mod report;
 #[cfg(feature = "live")]
 mod robot_values;
 pub(crate) mod ros;
+mod search_options;
 mod shell;
 #[cfg(feature = "bridge")]
 mod stored;
@@ -65,9 +67,11 @@ pub(crate) use diff::Diff;
 pub(crate) use identify::Identify;
 pub(crate) use log_reading::LogReading;
 pub(crate) use model::{Fk, Ik, OutputFormat, Robot, Schema, ToolAndBase};
+pub(crate) use optimise::Optimise;
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
+pub(crate) use search_options::SearchOptions;
 pub(crate) use shell::{Completions, Man};
 pub(crate) use urdf::Urdf;
 pub(crate) use validate::Validate;
@@ -186,6 +190,7 @@ pub(crate) enum CliCommand {
     Compare(Compare),
     Diff(Diff),
     Advise(Advise),
+    Optimise(Optimise),
     Report(Report),
     Identify(Identify),
     Validate(Validate),

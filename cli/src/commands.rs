@@ -12,6 +12,7 @@ pub(crate) mod ik;
 #[cfg(feature = "live")]
 pub(crate) mod live;
 pub(crate) mod man;
+pub(crate) mod optimise;
 pub(crate) mod plan;
 pub(crate) mod report;
 pub(crate) mod robot;

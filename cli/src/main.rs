@@ -24,6 +24,7 @@ mod picture;
 mod progress;
 #[cfg(feature = "live")]
 mod runner;
+mod search;
 #[cfg(feature = "live")]
 mod service_log;
 mod settings;
@@ -74,6 +75,7 @@ fn run(command: CliCommand) -> Result<(), Failure> {
         CliCommand::Compare(options) => commands::compare::run(&options),
         CliCommand::Diff(options) => commands::diff::run(&options),
         CliCommand::Advise(options) => commands::advise::run(&options),
+        CliCommand::Optimise(options) => commands::optimise::run(&options),
         CliCommand::Validate(options) => commands::validate::run(&options),
         CliCommand::Report(options) => commands::report::run(&options),
         CliCommand::Identify(options) => commands::identify::run(&options),

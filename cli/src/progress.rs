@@ -29,6 +29,11 @@ impl Progress {
         Self::new(count as u64, "planning {wide_bar} {pos} of {len} programs, {eta} left")
     }
 
+    /// Progress of a search, with an unknown number of plans.
+    pub(crate) fn of_search() -> Self {
+        Self::new(0, "{spinner} {pos} plans compared, {elapsed}")
+    }
+
     fn new(steps: u64, look: &'static str) -> Self {
         Self { since: Instant::now(), steps, done: 0, look, left: String::new(), bar: None }
     }

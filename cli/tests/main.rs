@@ -23,7 +23,7 @@ mod kinematics;
 mod link;
 mod log_reading;
 mod many;
-
+mod optimise;
 mod outputs;
 mod overlap;
 mod pipes;

@@ -11,7 +11,7 @@ from typing_extensions import Self, TypeAlias
 
 from ._errors import ProgramError
 from ._figures import GroupFigures, MotionFigures, RepeatFigures, State, States
-from ._options import Frame, Search, Shape, Timing
+from ._options import Frame, Free, Search, Shape, Timing
 from .drive import Run
 
 _Array: TypeAlias = NDArray[np.float64]
@@ -23,6 +23,7 @@ __all__ = [
     "Clearance",
     "Comparison",
     "Identification",
+    "Optimum",
     "Plan",
     "Program",
     "Recording",
@@ -34,6 +35,7 @@ __all__ = [
     "frame",
     "identify",
     "import_application",
+    "optimise",
     "page",
     "plan",
     "plan_all",
@@ -296,6 +298,21 @@ class Clearance:
     ) -> Clearance: ...
 
 @final
+class Optimum:
+    @property
+    def program(self) -> Program: ...
+    @property
+    def cycle_time_s(self) -> float: ...
+    @property
+    def changed_cycle_time_s(self) -> float: ...
+    @property
+    def changes(self) -> list[str]: ...
+    @property
+    def plans(self) -> int: ...
+    @property
+    def complete(self) -> bool: ...
+
+@final
 class Recording:
     def __new__(
         cls,
@@ -390,6 +407,18 @@ def plan_all(
     jobs: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> list[Plan | ProgramError]: ...
+def optimise(
+    program: Program,
+    *,
+    free: Iterable[Free] = ...,
+    robot: _Robot | None = None,
+    timing: Timing = "sunrise",
+    max_blend_mm: float = 50.0,
+    scene: Scene | None = None,
+    min_clearance_mm: float = 10.0,
+    budget: int = 50_000,
+    progress: Callable[[int], object] | None = None,
+) -> Optimum: ...
 def compare(
     plan: Plan | str | PathLike[str] | tuple[str, bytes], measured: Recording, /
 ) -> Comparison: ...

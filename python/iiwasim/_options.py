@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 Timing = Literal["sunrise", "jerk", "acceleration"]
 Shape = Literal["iiwa", "alpha", "min-acceleration", "circle"]
+Free = Literal["e1", "blends", "speeds"]
 Search = Literal["first-crossing", "algorithm-1", "algorithm-2"]
 
 Numbers = Union[Sequence[float], npt.NDArray[np.floating[Any]], npt.NDArray[np.integer[Any]]]

@@ -15,6 +15,7 @@ mod arrays;
 mod errors;
 mod evaluation;
 mod frames;
+mod optimise;
 mod options;
 mod page;
 mod plan;
@@ -42,6 +43,7 @@ mod _native {
     use super::{
         evaluation::{Comparison, Identification, compare, identify},
         frames::{frame, pose},
+        optimise::{Optimum, optimise},
         page::page,
         plan::Plan,
         planning::{plan, plan_all},

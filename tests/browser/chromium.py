@@ -143,6 +143,23 @@ class Browser:
             "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"
         )
 
+    def spare_frames(self) -> None:
+        """Limits pages that are opened later to ten frames per second.
+
+        Without a graphics card, a page that draws all the time keeps a core busy. `allFrames`, set
+        to true in a page, ends this.
+        """
+        script = """(() => {
+            const next = window.requestAnimationFrame.bind(window);
+            let drawn = 0;
+            window.requestAnimationFrame = done => next(function frame(now) {
+                if (!window.allFrames && now !== drawn && now - drawn < 100) return next(frame);
+                drawn = now;
+                done(now);
+            });
+        })()"""
+        self.call("Page.addScriptToEvaluateOnNewDocument", source=script)
+
     def until(self, script: str, seconds: float = 300) -> None:
         """Waits until a script returns true."""
         until = time.monotonic() + seconds

@@ -60,6 +60,7 @@ def heap_kb(browser: Browser) -> int:
 
 def frames_latency_and_memory(browser: Browser, twin: Twin) -> str:
     twin.open(browser)
+    browser.run("allFrames = true")
     witness = Witness(twin.rig)
     mover = Mover(twin.rig)
     # Records the data of each frame with its drawing time.

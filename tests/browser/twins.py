@@ -50,6 +50,7 @@ class Twin:
     def __init__(self, rig: Rig, minutes: float) -> None:
         self.rig = rig
         self.minutes = minutes
+        self.has_spare_frames = False
         (rig.folder / "to-and-fro.json").write_text(json.dumps(TO_AND_FRO))
         self.start()
 
@@ -76,6 +77,9 @@ class Twin:
     def open(self, browser: Browser) -> None:
         browser.size(1280, 1000)
         browser.scheme("light")
+        if not self.has_spare_frames:
+            browser.spare_frames()
+            self.has_spare_frames = True
         browser.go(self.address)
         browser.until(
             "document.readyState === 'complete' && typeof live === 'object' && live.newest && "

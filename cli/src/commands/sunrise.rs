@@ -1,6 +1,6 @@
 //! Commands for Sunrise projects (feature `sunrise`).
 
-mod export;
+pub(crate) mod export;
 mod import;
 
 use crate::{args::Sunrise, failure::Failure};

@@ -4,6 +4,7 @@ use std::{fs, path::Path};
 
 use iiwa_files::write_folder;
 use iiwa_json::{JsonStep, locate, printable};
+use iiwa_kin::Robot;
 use iiwa_program::motion_path;
 use iiwa_sunrise::{ExportError, ExportOptions, ExportedProject};
 use serde::Serialize;
@@ -27,22 +28,15 @@ pub(crate) fn run(options: &Export) -> Result<(), Failure> {
         _ => "motion program".to_owned(),
     };
     let how = ExportOptions { name, class: options.name.clone() };
-    let project = ExportedProject::new(&input.source.program, &robot, &how)
-        .map_err(|error| export_failure(&error, &input))?;
-    let java = project.java_file();
-    let data_file = ExportedProject::DATA_FILE;
-    let files = [
-        (Path::new(&java), project.java.as_bytes()),
-        (Path::new(data_file), project.data_file.as_bytes()),
-    ];
-    output::catch_interrupts();
-    write_folder(folder, &files)?;
+    let project = write_project(&input, &robot, &how, folder)?;
+    let (java, data_file) = (project.java_file(), ExportedProject::DATA_FILE);
     let sources = &input.source.program.sources;
     let notices = project.notices.iter().map(|notice| sources.in_message(&notice.to_string()));
     let notices: Vec<String> = notices.collect();
     let start_deg = project.start_deg.map(|deg| deg.to_string()).join(",");
     if options.json {
-        let files = files.map(|(path, _)| folder.join(path).display().to_string());
+        let files = [Path::new(&java), Path::new(data_file)];
+        let files = files.map(|path| folder.join(path).display().to_string());
         let start_deg = project.start_deg;
         return output::print_json(&Exported {
             class: &project.class,
@@ -63,6 +57,25 @@ pub(crate) fn run(options: &Export) -> Result<(), Failure> {
     ))
 }
 
+/// Writes a program as a Sunrise project, atomically.
+pub(crate) fn write_project(
+    input: &Input,
+    robot: &Robot,
+    how: &ExportOptions,
+    folder: &Path,
+) -> Result<ExportedProject, Failure> {
+    let project = ExportedProject::new(&input.source.program, robot, how)
+        .map_err(|error| export_failure(&error, input))?;
+    let java = project.java_file();
+    let files = [
+        (Path::new(&java), project.java.as_bytes()),
+        (Path::new(ExportedProject::DATA_FILE), project.data_file.as_bytes()),
+    ];
+    output::catch_interrupts();
+    write_folder(folder, &files)?;
+    Ok(project)
+}
+
 /// Written files.
 #[derive(Serialize)]
 struct Exported<'a> {
@@ -74,7 +87,7 @@ struct Exported<'a> {
 
 /// Rejects a folder that is not empty, since its files may have been edited by hand, unless
 /// `overwrite` is set.
-fn keep_existing(folder: &Path, overwrite: bool) -> Result<(), Failure> {
+pub(crate) fn keep_existing(folder: &Path, overwrite: bool) -> Result<(), Failure> {
     let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
     output::keep_existing(OutputKind::Project, folder, overwrite || is_empty)
 }

@@ -47,6 +47,36 @@ pub enum ChangeKind {
 }
 
 impl Change {
+    /// Returns the property of a motion that a change sets: at most one change of each is needed.
+    pub(crate) fn property(&self) -> u8 {
+        match self.kind {
+            ChangeKind::Elbow { .. } => 0,
+            ChangeKind::Blend { .. } | ChangeKind::NoWaitForEnd => 1,
+            ChangeKind::FullSpeed { .. } => 2,
+        }
+    }
+
+    /// Returns one change in place of this one and a later one of the same property; `None` if
+    /// nothing changes.
+    pub(crate) fn followed_by(self, later: Self) -> Option<Self> {
+        let kind = match (self.kind, later.kind) {
+            (ChangeKind::Elbow { from_rad, .. }, ChangeKind::Elbow { to_rad, last, .. }) => {
+                if (to_rad - from_rad).abs() < 1e-9 {
+                    return None;
+                }
+                ChangeKind::Elbow { from_rad, to_rad, last }
+            }
+            (ChangeKind::Blend { from, .. }, ChangeKind::Blend { to_mm, .. }) => {
+                if from == Some(PathBlend::cart_mm(to_mm)) {
+                    return None;
+                }
+                ChangeKind::Blend { from, to_mm }
+            }
+            (_, later) => later,
+        };
+        Some(Self { motion: self.motion, kind })
+    }
+
     /// Last motion that changes.
     #[must_use]
     pub fn last(&self) -> MotionIndex {

@@ -1,6 +1,9 @@
 //! Exact cycle times of the versions of a program.
 
-use std::sync::{Arc, atomic::AtomicBool};
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
+};
 
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, ReplacedSteps};
@@ -9,9 +12,6 @@ use iiwa_program::Program;
 use iiwa_traj::{PlanError, Planner, TimingError, Trajectory};
 
 use crate::change::Change;
-
-/// An error of advising: the program cannot be planned as it is, or the search was interrupted.
-pub type AdviseError = PlanError;
 
 /// A program as it is, with its path and the durations of its sections.
 #[derive(Clone, Debug)]
@@ -31,6 +31,8 @@ pub(crate) struct CycleTimes<'a> {
     robot: &'a Robot,
     options: &'a PlanOptions,
     stop: &'a Arc<AtomicBool>,
+    /// Number of plans.
+    plans: &'a AtomicU64,
     planner: Option<Planner>,
 }
 
@@ -39,8 +41,9 @@ impl<'a> CycleTimes<'a> {
         robot: &'a Robot,
         options: &'a PlanOptions,
         stop: &'a Arc<AtomicBool>,
+        plans: &'a AtomicU64,
     ) -> Self {
-        Self { robot, options, stop, planner: None }
+        Self { robot, options, stop, plans, planner: None }
     }
 
     /// Plans a whole program.
@@ -65,12 +68,20 @@ impl<'a> CycleTimes<'a> {
         Ok(Version { program: program.clone(), cycle_time_s, path, starts, durations_s })
     }
 
-    /// Cycle time after a change, in s, and the changed program; `None` if the robot cannot execute
+    /// Cycle time after changes, in s, and the changed program; `None` if the robot cannot execute
     /// it.
-    pub(crate) fn changed(&mut self, version: &Version, change: &Change) -> Option<(Program, f64)> {
-        let program = change.apply(&version.program)?;
+    pub(crate) fn changed(
+        &mut self,
+        version: &Version,
+        changes: &[&Change],
+    ) -> Option<(Program, f64)> {
+        let first = changes.iter().map(|change| change.motion).min()?;
+        let last = changes.iter().map(|change| change.last()).max()?;
+        let program = changes
+            .iter()
+            .try_fold(version.program.clone(), |program, change| change.apply(&program))?;
         let mut path = version.path.clone();
-        let motions = change.motion..=change.last();
+        let motions = first..=last;
         let replaced = path.update_all(&program, self.options.path, motions).ok()?;
         let overlaps = !path.overlapping_waits().is_empty();
         let cycle_time_s = if overlaps {
@@ -113,6 +124,7 @@ impl<'a> CycleTimes<'a> {
 
     /// Returns the planner, at the start of `path`.
     fn planner(&mut self, path: &JointPath) -> &mut Planner {
+        self.plans.fetch_add(1, Relaxed);
         match &mut self.planner {
             Some(planner) => {
                 planner.restart(path);

@@ -50,9 +50,18 @@ impl ElbowGroup {
         groups
     }
 
-    /// Returns the change to another E1 at the first target.
-    pub(crate) fn turned(self, from_rad: f64, to_rad: f64) -> Change {
-        let kind = ChangeKind::Elbow { from_rad, to_rad, last: self.last };
+    /// Returns the change by an angle in degrees, where the first target has `e1_rad`.
+    pub(crate) fn turned_by(self, e1_rad: f64, by_deg: f64) -> Change {
+        let to_rad = (e1_rad.to_degrees() + by_deg).to_radians();
+        let kind = ChangeKind::Elbow { from_rad: e1_rad, to_rad, last: self.last };
         Change { motion: self.first, kind }
+    }
+
+    pub(crate) fn first(self) -> MotionIndex {
+        self.first
+    }
+
+    pub(crate) fn last(self) -> MotionIndex {
+        self.last
     }
 }

@@ -1,14 +1,15 @@
 //! Changes that make a motion program faster, each with the time that it saves.
 //!
-//! [`Adviser::advise`] tries changes of a program: another elbow angle (E1) for a group of motions,
-//! other blend radii, blends in place of stops, point-to-point motions at full speed, and motions
-//! that the program need not wait for. Each change is planned exactly, with all limits of a plan,
-//! and kept if it saves time. Targets, speeds of TCP paths, waits, inputs, outputs and the order of
-//! motions stay as they are; with a blend, the TCP passes its target within the radius.
+//! [`Optimiser::advise`] tries changes of a program: another elbow angle (E1) for a group of
+//! motions, other blend radii, blends in place of stops, point-to-point motions at full speed, and
+//! motions that the program need not wait for. Each change is planned exactly, with all limits of a
+//! plan, and kept if it saves time. Targets, speeds of TCP paths, waits, inputs, outputs and the
+//! order of motions stay as they are; with a blend, the TCP passes its target within the radius.
+//! [`Optimiser::optimise`] makes such changes until none saves more time.
 //!
 //! ```
 //! use iiwa_kin::Robot;
-//! use iiwa_optimise::{Adviser, ChangeKind};
+//! use iiwa_optimise::{ChangeKind, Optimiser};
 //! use iiwa_plan::PlanOptions;
 //! use iiwa_program::Program;
 //!
@@ -17,25 +18,28 @@
 //!     .velocity(0.4)
 //!     .ptp_deg([40.0, 40.0, 0.0, -50.0, 0.0, 60.0, 0.0])
 //!     .build();
-//! let adviser = Adviser::new(Robot::default(), PlanOptions::default());
-//! let advice = adviser.advise(&program)?;
+//! let optimiser = Optimiser::new(Robot::default(), PlanOptions::default());
+//! let advice = optimiser.advise(&program)?;
 //! let fastest = &advice.rows[0];
 //! assert!(matches!(fastest.change.kind, ChangeKind::FullSpeed { .. }));
 //!
 //! // The plan of the changed program confirms the saving.
 //! let changed = fastest.change.apply(&program).ok_or("no such motion")?;
-//! let changed_s = adviser.plan(&changed)?.cycle_time_s();
+//! let changed_s = optimiser.plan(&changed)?.cycle_time_s();
 //! assert!((advice.cycle_time_s - changed_s - fastest.saved_s).abs() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod adviser;
 mod blends;
 mod change;
+mod change_search;
 mod cycle_time;
+mod elbow_chain;
 mod elbows;
+mod freedom;
+mod optimiser;
 mod speeds;
 
-pub use adviser::{Advice, AdviceRow, Adviser};
 pub use change::{Change, ChangeKind};
-pub use cycle_time::AdviseError;
+pub use freedom::Freedom;
+pub use optimiser::{Advice, AdviceRow, Optimiser, Optimum};

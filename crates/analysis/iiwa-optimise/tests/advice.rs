@@ -5,11 +5,11 @@ use std::sync::{
     atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed},
 };
 
-use iiwa_kin::{Pose, Robot};
-use iiwa_optimise::{Advice, AdviceRow, Adviser, Change, ChangeKind};
-use iiwa_plan::PlanOptions;
-use iiwa_program::{CartesianMotion, Motion, MotionIndex, Program, Target, TargetRef};
+use iiwa_optimise::{Advice, AdviceRow, Change, ChangeKind, Optimiser};
+use iiwa_program::{Motion, MotionIndex, Program, Target, TargetRef};
 use iiwa_traj::Trajectory;
+
+use crate::untouched::{assert_untouched, optimiser, pose};
 
 /// Programs in joint space and with frames, lines, circles, tools and waits.
 const PROGRAMS: [&str; 5] = [
@@ -20,18 +20,13 @@ const PROGRAMS: [&str; 5] = [
     include_str!("../../../../fixtures/sunrise/cell/expected.json"),
 ];
 
-fn adviser(program: &Program) -> Adviser {
-    let robot = program.robot.as_deref().map_or_else(|| Some(Robot::default()), Robot::built_in);
-    Adviser::new(program.with_flange(robot.unwrap()), PlanOptions::default())
-}
-
 /// Advice for each of the programs; searched for once, since it takes seconds.
-static ADVICE: LazyLock<Vec<(Program, Adviser, Advice)>> = LazyLock::new(|| {
+static ADVICE: LazyLock<Vec<(Program, Optimiser, Advice)>> = LazyLock::new(|| {
     let advise = |text: &&str| {
         let program = Program::from_json(text).unwrap();
-        let adviser = adviser(&program);
-        let advice = adviser.advise(&program).unwrap();
-        (program, adviser, advice)
+        let optimiser = optimiser(&program);
+        let advice = optimiser.advise(&program).unwrap();
+        (program, optimiser, advice)
     };
     PROGRAMS.iter().map(advise).collect()
 });
@@ -39,17 +34,17 @@ static ADVICE: LazyLock<Vec<(Program, Adviser, Advice)>> = LazyLock::new(|| {
 #[test]
 fn each_row_is_confirmed_by_a_plan() {
     let mut rows = 0;
-    for (program, adviser, advice) in ADVICE.iter() {
+    for (program, optimiser, advice) in ADVICE.iter() {
         let mut all = program.clone();
         let mut all_s = advice.cycle_time_s;
         for row in &advice.rows {
             let alone = row.change.apply(program).unwrap();
-            let alone_s = adviser.plan(&alone).unwrap().cycle_time_s();
+            let alone_s = optimiser.plan(&alone).unwrap().cycle_time_s();
             let saved_s = advice.cycle_time_s - alone_s;
             assert!((saved_s - row.saved_s).abs() < 1e-6, "{}: {saved_s} {row:?}", row.change);
             assert!(row.saved_s >= 1e-3 && row.saved_on_top_s >= 1e-3, "{row:?}");
             all = row.change.apply(&all).unwrap();
-            let with_all_s = adviser.plan(&all).unwrap().cycle_time_s();
+            let with_all_s = optimiser.plan(&all).unwrap().cycle_time_s();
             assert!((all_s - with_all_s - row.saved_on_top_s).abs() < 1e-6, "{row:?}");
             all_s = with_all_s;
             rows += 1;
@@ -72,35 +67,11 @@ fn a_palletising_program_becomes_faster() {
     assert!(advice.rows.iter().any(is_elbow));
 }
 
-/// Pose in the robot base at which a motion ends; `None` for an offset.
-fn pose(program: &Program, motion: &CartesianMotion) -> Option<Pose> {
-    let target = motion.target()?;
-    Some(program.workcell.target(target, motion.base.as_deref()).unwrap().1)
-}
-
 /// Frames, speeds of TCP paths, waits, inputs and outputs are those of the program.
 #[test]
 fn poses_and_process_speeds_stay() {
     for (program, _, advice) in ADVICE.iter() {
-        assert_eq!(program.motions.len(), advice.program.motions.len());
-        for (old, new) in program.motions.iter().zip(&advice.program.motions) {
-            match (old, new) {
-                (Motion::Ptp(old), Motion::Ptp(new)) => {
-                    assert_eq!(old.target_rad, new.target_rad);
-                    assert_eq!(old.acceleration_rel, new.acceleration_rel);
-                }
-                (Motion::Cartesian(old), Motion::Cartesian(new)) => {
-                    assert_eq!(old.tool_limits, new.tool_limits);
-                    assert_eq!((&old.tool, &old.base), (&new.tool, &new.base));
-                    assert_eq!(old.orientation, new.orientation);
-                    if !old.is_ptp() {
-                        assert_eq!(old.shares, new.shares);
-                    }
-                    assert_eq!(pose(program, old), pose(&advice.program, new));
-                }
-                (old, new) => assert_eq!(old, new),
-            }
-        }
+        assert_untouched(program, &advice.program);
     }
 }
 
@@ -144,12 +115,12 @@ fn elbow_angles_stay_in_their_range() {
 #[test]
 fn a_rule_keeps_changes_away() {
     let program = Program::from_json(PROGRAMS[4]).unwrap();
-    let adviser = adviser(&program);
-    let advice = adviser.advise_within(&program, &|_| false).unwrap();
+    let optimiser = optimiser(&program);
+    let advice = optimiser.advise_within(&program, &|_| false).unwrap();
     assert!(advice.rows.is_empty());
     assert_eq!(advice.program, program);
     assert_eq!(advice.changed_cycle_time_s, advice.cycle_time_s);
-    let blends = adviser.clone().with_max_blend_mm(0.0).advise(&program).unwrap();
+    let blends = optimiser.clone().with_max_blend_mm(0.0).advise(&program).unwrap();
     assert!(blends.rows.iter().all(|row| !matches!(row.change.kind, ChangeKind::Blend { .. })));
 }
 
@@ -159,7 +130,7 @@ fn waits_and_single_motions_have_nothing_to_change() {
         Program::from_deg([0.0; 7]).wait_s(1.0).build(),
         Program::from_deg([0.0; 7]).ptp_deg([40.0, 0.0, 0.0, -60.0, 0.0, 0.0, 0.0]).build(),
     ] {
-        let advice = adviser(&program).advise(&program).unwrap();
+        let advice = optimiser(&program).advise(&program).unwrap();
         assert!(advice.rows.is_empty());
     }
 }
@@ -168,7 +139,7 @@ fn waits_and_single_motions_have_nothing_to_change() {
 fn a_stop_flag_ends_the_search() {
     let program = Program::from_json(PROGRAMS[4]).unwrap();
     let stop = Arc::new(AtomicBool::new(true));
-    let stopped = adviser(&program).interrupted_by(Arc::clone(&stop));
+    let stopped = optimiser(&program).interrupted_by(Arc::clone(&stop));
     assert!(stopped.advise(&program).is_err());
     // Set in the middle of the search: no part of a table is returned.
     stop.store(false, Relaxed);

@@ -1,6 +1,8 @@
-//! Advice for programs: each row is confirmed by a plan of the changed program.
+//! Faster programs: each saving is confirmed by a plan of the changed program.
 
 // Test helpers may panic.
 #![allow(clippy::unwrap_used)]
 
 mod advice;
+mod optimum;
+mod untouched;

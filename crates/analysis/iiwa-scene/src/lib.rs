@@ -49,6 +49,7 @@
 //!
 //! Units are SI and radians; positions are in the base frame, `iiwa_link_0`.
 
+mod allowed_clearances;
 mod arm;
 mod arm_meshes;
 mod carried;
@@ -77,6 +78,7 @@ mod surface;
 mod tool;
 mod wire;
 
+pub use allowed_clearances::AllowedClearances;
 pub use arm_meshes::{ArmMeshError, ArmMeshes};
 pub use carried::{CarriedBodies, CarriedBody, CarriedMeshError};
 pub use clearance::{ArmInScene, Clearance, Other};

@@ -127,7 +127,7 @@ fn touches_by_less(arm: &ArmInScene, trajectory: &Trajectory, t_s: f64) -> bool 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(150))]
+    #![proptest_config(ProptestConfig::with_cases(80))]
 
     #[test]
     fn no_sample_is_nearer(program in programs(4), seed in any::<u64>(), jerk in 0..4) {

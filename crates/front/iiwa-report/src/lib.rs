@@ -9,9 +9,11 @@
 //! - [`ExperimentKind`] lists the experiments, those of the thesis (Larsen 2019) and those of this
 //!   project, and writes the [`Chapter`] of each.
 //! - [`AdviceReport`], [`ComparisonReport`], [`DifferenceReport`], [`IdentificationReport`],
-//!   [`ImportReport`], [`plan_table`] and [`Summary`] format results as text and tables.
+//!   [`ImportReport`], [`OptimumReport`], [`plan_table`] and [`Summary`] format results as text and
+//!   tables.
 
 mod advice_report;
+mod change_rows;
 mod comparison_report;
 mod difference_clearance;
 mod difference_groups;
@@ -25,6 +27,7 @@ mod identification_report;
 #[cfg(feature = "sunrise")]
 mod import_report;
 mod markdown;
+mod optimum_report;
 mod picture;
 mod plan_clearance;
 mod plan_table;
@@ -51,6 +54,7 @@ pub use experiment::{
 pub use identification_report::IdentificationReport;
 #[cfg(feature = "sunrise")]
 pub use import_report::ImportReport;
+pub use optimum_report::OptimumReport;
 pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison};
 pub use plan_clearance::{add_clearances, carried};
 pub use plan_table::{assumption_lines, plan_table};

@@ -1,0 +1,128 @@
+//! `iiwasim optimise` as a process: the changed program or project, and what it refuses.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by it")]
+
+use std::fs;
+
+use predicates::{prelude::PredicateBooleanExt, str::contains};
+use serde_json::{Value, json};
+use tempfile::{TempDir, tempdir};
+
+use crate::helpers::{figures, fixture};
+use crate::run::iiwasim;
+
+fn path(name: &str) -> String {
+    fixture(name).display().to_string()
+}
+
+/// Returns the cycle time that `iiwasim plan` prints.
+fn cycle_time(folder: &TempDir, program: &str) -> f64 {
+    let planned = figures(iiwasim(folder, &["plan", program, "--no-output", "--json"]));
+    planned["cycle_time_s"].as_f64().unwrap()
+}
+
+fn seconds(report: &Value, key: &str) -> f64 {
+    report[key].as_f64().unwrap()
+}
+
+#[test]
+fn the_written_program_takes_as_long_as_stated() {
+    let (folder, program) = (tempdir().unwrap(), path("pick-and-place.json"));
+    let free = "e1,blends,speeds";
+    let arguments = ["optimise", &program, "--free", free, "-o", "faster.json", "--json"];
+    let report = figures(iiwasim(&folder, &arguments));
+    let changed_s = seconds(&report, "changed_cycle_time_s");
+    assert!((cycle_time(&folder, "faster.json") - changed_s).abs() < 1e-9);
+    assert!((cycle_time(&folder, &program) - seconds(&report, "cycle_time_s")).abs() < 1e-9);
+    assert!(changed_s < 0.85 * seconds(&report, "cycle_time_s"), "{report}");
+    assert_eq!(report["complete"], json!(true));
+    assert_eq!(report["checked_for_collisions"], json!(false));
+    let differences = &report["differences"];
+    assert!(differences["motions"].as_array().is_some_and(|motions| motions.len() > 3), "{report}");
+
+    // A file that may have been edited is kept.
+    iiwasim(&folder, &arguments).code(2).stderr(contains("faster.json exists"));
+    iiwasim(&folder, &["optimise", &program, "--free", free, "-o", "faster.json", "--overwrite"])
+        .success()
+        .stdout(
+            contains("plans compared")
+                .and(contains("not checked for collisions"))
+                .and(contains("Cycle time")),
+        );
+}
+
+/// Elbow angles are free by default, and nothing else.
+#[test]
+fn what_is_not_free_stays() {
+    let (folder, program) = (tempdir().unwrap(), path("ten-motions.json"));
+    let arguments = ["optimise", &program, "-o", "same.json"];
+    iiwasim(&folder, &arguments)
+        .success()
+        .stdout(contains("nothing was changed"))
+        .stderr(contains("--free e1,blends,speeds"));
+    assert_eq!(cycle_time(&folder, "same.json"), cycle_time(&folder, &program));
+    iiwasim(&folder, &["optimise", &program, "--free", "order", "-o", "a.json"])
+        .code(2)
+        .stderr(contains("possible values: e1, blends, speeds"));
+    iiwasim(&folder, &["optimise", &program]).code(2).stderr(contains("--output"));
+    assert!(!folder.path().join("a.json").exists());
+}
+
+/// In the cage, each motion keeps its distance.
+#[test]
+fn clearances_are_kept_in_a_scene() {
+    let (folder, program, cage) =
+        (tempdir().unwrap(), path("pick-and-place.json"), path("cage.json"));
+    let nearest = |program: &str| {
+        let arguments = ["plan", program, "--no-output", "--json", "--scene", &cage];
+        let planned = figures(iiwasim(&folder, &arguments));
+        planned["clearance"]["distance_mm"].as_f64().unwrap()
+    };
+    let free = ["--free", "e1,blends,speeds", "--scene", &cage, "--json"];
+    let far = ["optimise", &program, "--min-clearance", "1000", "-o", "far.json"];
+    let far = figures(iiwasim(&folder, &[&far[..], &free].concat()));
+    assert_eq!(far["checked_for_collisions"], json!(true));
+    assert!(nearest("far.json") > nearest(&program) - 0.2, "{far}");
+    let near = ["optimise", &program, "-o", "near.json"];
+    let near = figures(iiwasim(&folder, &[&near[..], &free].concat()));
+    assert!(nearest("near.json") > 9.8_f64.min(nearest(&program) - 0.2));
+    assert!(
+        seconds(&near, "changed_cycle_time_s") <= seconds(&far, "changed_cycle_time_s") + 1e-9,
+        "{near} {far}"
+    );
+}
+
+#[test]
+fn a_program_of_waits_is_written_as_it_is() {
+    let folder = tempdir().unwrap();
+    let program = json!({
+        "version": 1,
+        "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
+        "motions": [{ "type": "wait", "seconds": 1.0 }]
+    });
+    fs::write(folder.path().join("waits.json"), program.to_string()).unwrap();
+    let arguments = ["optimise", "waits.json", "--free", "e1,blends,speeds", "-o", "out.json"];
+    iiwasim(&folder, &arguments).success().stdout(contains("nothing was changed"));
+    assert_eq!(cycle_time(&folder, "out.json"), 1.0);
+}
+
+/// The exported project, imported and planned again, has the stated cycle time.
+#[cfg(feature = "sunrise")]
+#[test]
+fn a_project_becomes_a_faster_project() {
+    let (folder, project) = (tempdir().unwrap(), path("sunrise/cell"));
+    let free = ["--free", "e1,blends,speeds", "--json"];
+    let arguments = [&["optimise", &project, "-o", "faster"][..], &free].concat();
+    let report = figures(
+        iiwasim(&folder, &arguments).stderr(contains("the application Faster; the arm must be at")),
+    );
+    let changed_s = seconds(&report, "changed_cycle_time_s");
+    assert!(changed_s < 0.8 * seconds(&report, "cycle_time_s"), "{report}");
+    let again = ["plan", "faster", "--application", "Faster", "--no-output", "--json"];
+    let again_s = figures(iiwasim(&folder, &again))["cycle_time_s"].as_f64().unwrap();
+    assert!((again_s - changed_s).abs() < 1e-9);
+    for change in report["changes"].as_array().unwrap() {
+        assert!(change["source"].as_str().unwrap().contains("Palletising.java:"), "{change}");
+    }
+    iiwasim(&folder, &arguments).code(2).stderr(contains("faster"));
+}

@@ -1,0 +1,137 @@
+//! Search for single changes of one version of a program.
+
+use std::ops::Range;
+
+use iiwa_program::Program;
+use rayon::prelude::*;
+
+use crate::{
+    blends::{awaited, blends},
+    change::Change,
+    cycle_time::{CycleTimes, Version},
+    elbows::{ElbowGroup, RANGE_DEG, STEPS_DEG},
+    freedom::Freedom,
+    optimiser::{Optimiser, Rule},
+    speeds::full_speeds,
+};
+
+/// Smallest saving of a change, in s.
+pub(crate) const LEAST_S: f64 = 1e-3;
+
+/// Share of the largest saving of a blend from which on a smaller radius is preferred: it stays
+/// nearer to the corner.
+const ENOUGH: f64 = 0.95;
+
+/// Search for changes of one version of a program.
+pub(crate) struct ChangeSearch<'a> {
+    pub(crate) optimiser: &'a Optimiser,
+    pub(crate) version: &'a Version,
+    pub(crate) rule: Rule<'a>,
+}
+
+/// A question of the search: alternatives of which at most one is kept.
+enum Alternatives {
+    /// Another E1 for a group, which has this one, in rad.
+    Elbow(ElbowGroup, f64),
+    /// Changes in order of preference: a later one is kept only if it saves more.
+    List(Vec<Change>),
+}
+
+impl Alternatives {
+    /// Returns the indices of the motions that change.
+    fn motions(&self) -> Range<usize> {
+        match self {
+            Self::Elbow(group, _) => group.first().index()..group.last().index() + 1,
+            Self::List(changes) => changes
+                .first()
+                .map_or(0..0, |change| change.motion.index()..change.last().index() + 1),
+        }
+    }
+}
+
+impl ChangeSearch<'_> {
+    /// Returns the best change of each kind at each place, or only at marked motions, with the time
+    /// that it saves, in s.
+    pub(crate) fn best_changes(
+        &self,
+        freedom: Freedom,
+        motions: Option<&[bool]>,
+    ) -> Vec<(Change, f64)> {
+        let program = &self.version.program;
+        let mut all = Vec::new();
+        if freedom.elbows {
+            let groups = ElbowGroup::all(program).into_iter();
+            all.extend(groups.map(|(group, e1_rad)| Alternatives::Elbow(group, e1_rad)));
+        }
+        let single = |change: Change| Alternatives::List(vec![change]);
+        if freedom.blends {
+            let radii = blends(program, self.optimiser.max_blend_mm()).into_iter();
+            all.extend(radii.map(Alternatives::List));
+            all.extend(awaited(program).into_iter().map(single));
+        }
+        if freedom.speeds {
+            all.extend(full_speeds(program).into_iter().map(single));
+        }
+        if let Some(motions) = motions {
+            all.retain(|alternatives| alternatives.motions().any(|motion| motions[motion]));
+        }
+        let best = all.into_par_iter().map_init(
+            || self.optimiser.cycle_times(),
+            |times, alternatives| match alternatives {
+                Alternatives::Elbow(group, e1_rad) => self.best_elbow(times, group, e1_rad),
+                Alternatives::List(changes) => self.best_of(times, changes),
+            },
+        );
+        best.flatten().collect()
+    }
+
+    /// Time that changes save together, in s; `None` if it is less than a millisecond, or if they
+    /// are not possible.
+    pub(crate) fn saved_s(&self, times: &mut CycleTimes<'_>, changes: &[&Change]) -> Option<f64> {
+        let (program, cycle_time_s) = times.changed(self.version, changes)?;
+        let saved_s = self.version.cycle_time_s - cycle_time_s;
+        (saved_s >= LEAST_S && self.allows(times, &program)).then_some(saved_s)
+    }
+
+    /// Returns true if the rule accepts the plan of a program.
+    pub(crate) fn allows(&self, times: &mut CycleTimes<'_>, program: &Program) -> bool {
+        self.rule.is_none_or(|rule| times.plan(program).is_ok_and(|trajectory| rule(&trajectory)))
+    }
+
+    /// Returns the first change that saves nearly as much as the best one.
+    fn best_of(&self, times: &mut CycleTimes<'_>, changes: Vec<Change>) -> Option<(Change, f64)> {
+        let saved =
+            |change: Change| self.saved_s(times, &[&change]).map(|saved_s| (change, saved_s));
+        let all: Vec<_> = changes.into_iter().filter_map(saved).collect();
+        let most_s = all.iter().map(|(_, saved_s)| *saved_s).fold(f64::MIN, f64::max);
+        all.into_iter().find(|(_, saved_s)| *saved_s >= ENOUGH * most_s)
+    }
+
+    /// Returns the best E1 of a group: of coarse steps first, then of finer ones about the best.
+    fn best_elbow(
+        &self,
+        times: &mut CycleTimes<'_>,
+        group: ElbowGroup,
+        e1_rad: f64,
+    ) -> Option<(Change, f64)> {
+        let mut best = (0.0, 0.0);
+        let mut range_deg = RANGE_DEG;
+        for step_deg in STEPS_DEG {
+            let center_deg = best.0;
+            let steps = (range_deg / step_deg).round();
+            let mut by_deg = center_deg - steps * step_deg;
+            while by_deg <= center_deg + steps * step_deg + 1e-9 {
+                if by_deg.abs() <= RANGE_DEG {
+                    let change = group.turned_by(e1_rad, by_deg);
+                    let saved_s = self.saved_s(times, &[&change]).unwrap_or(f64::MIN);
+                    if saved_s > best.1 {
+                        best = (by_deg, saved_s);
+                    }
+                }
+                by_deg += step_deg;
+            }
+            range_deg = step_deg;
+        }
+        (best.1 > 0.0).then(|| (group.turned_by(e1_rad, best.0), best.1))
+    }
+}

@@ -1,0 +1,304 @@
+//! Searches for the changes that save time.
+
+use std::{
+    collections::BTreeMap,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
+    },
+};
+
+use iiwa_kin::Robot;
+use iiwa_plan::PlanOptions;
+use iiwa_program::{Motion, Program};
+use iiwa_traj::{PlanError, TimingError, Trajectory};
+
+use crate::{
+    change::Change,
+    change_search::ChangeSearch,
+    cycle_time::{CycleTimes, Version},
+    elbow_chain::elbows_together,
+    freedom::Freedom,
+};
+
+/// Changes of a program that save time.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Advice {
+    /// Cycle time of the program as it is, in s.
+    pub cycle_time_s: f64,
+    /// Changes, the largest saving first.
+    pub rows: Vec<AdviceRow>,
+    /// Program with all changes.
+    pub program: Program,
+    /// Its cycle time, in s.
+    pub changed_cycle_time_s: f64,
+}
+
+/// A change, and the time that it saves.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct AdviceRow {
+    /// The change.
+    pub change: Change,
+    /// Time that the change saves alone, in s.
+    pub saved_s: f64,
+    /// Time that it saves after all changes before it, in s.
+    pub saved_on_top_s: f64,
+}
+
+/// The fastest version of a program that a search has found.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Optimum {
+    /// Cycle time of the program as it is, in s.
+    pub cycle_time_s: f64,
+    /// The changed program; without changes, the program itself.
+    pub program: Program,
+    /// Its cycle time, in s.
+    pub changed_cycle_time_s: f64,
+    /// Differences between the two programs, in the order of the motions.
+    pub changes: Vec<Change>,
+    /// Number of plans that were compared.
+    pub plans: u64,
+    /// `false` if the budget ended the search before it had tried all changes again.
+    pub is_complete: bool,
+}
+
+/// Searches for changes that make programs faster on one robot.
+#[derive(Clone, Debug)]
+pub struct Optimiser {
+    robot: Robot,
+    options: PlanOptions,
+    freedom: Freedom,
+    max_blend_mm: f64,
+    budget: u64,
+    plans: Arc<AtomicU64>,
+    stop: Arc<AtomicBool>,
+}
+
+/// Rule that the trajectory of a changed program has to satisfy.
+pub(crate) type Rule<'a> = Option<&'a (dyn Fn(&Trajectory) -> bool + Sync)>;
+
+impl Optimiser {
+    /// Creates an optimiser for a robot, for changes of all kinds and blends of up to 50 mm.
+    #[must_use]
+    pub fn new(robot: Robot, options: PlanOptions) -> Self {
+        Self {
+            robot,
+            options,
+            freedom: Freedom::ALL,
+            max_blend_mm: 50.0,
+            budget: 50_000,
+            plans: Arc::default(),
+            stop: Arc::default(),
+        }
+    }
+
+    /// Sets the kinds of changes.
+    #[must_use]
+    pub fn with_freedom(self, freedom: Freedom) -> Self {
+        Self { freedom, ..self }
+    }
+
+    /// Sets the largest radius of blends, in mm.
+    #[must_use]
+    pub fn with_max_blend_mm(self, max_blend_mm: f64) -> Self {
+        Self { max_blend_mm, ..self }
+    }
+
+    /// Sets the number of plans after which [`optimise`](Self::optimise) does not try all changes
+    /// once more. The result does not depend on the speed of the machine.
+    #[must_use]
+    pub fn with_budget(self, plans: u64) -> Self {
+        Self { budget: plans, ..self }
+    }
+
+    /// Ends a search soon after `stop` is set.
+    #[must_use]
+    pub fn interrupted_by(self, stop: Arc<AtomicBool>) -> Self {
+        Self { stop, ..self }
+    }
+
+    /// Number of plans of this optimiser so far, also while a search runs.
+    #[must_use]
+    pub fn plan_count(&self) -> Arc<AtomicU64> {
+        Arc::clone(&self.plans)
+    }
+
+    /// Plans a whole program.
+    ///
+    /// # Errors
+    ///
+    /// If the program cannot be planned.
+    pub fn plan(&self, program: &Program) -> Result<Trajectory, PlanError> {
+        self.cycle_times().plan(program)
+    }
+
+    /// Searches for changes of `program` that save at least a millisecond each.
+    ///
+    /// # Errors
+    ///
+    /// If the program cannot be planned as it is, or if the search is interrupted.
+    pub fn advise(&self, program: &Program) -> Result<Advice, PlanError> {
+        self.advice(program, None)
+    }
+
+    /// As [`advise`](Self::advise), with only those changes after which `rule` accepts the whole
+    /// trajectory: for example because the arm keeps its distance from obstacles.
+    ///
+    /// # Errors
+    ///
+    /// As for [`advise`](Self::advise).
+    pub fn advise_within(
+        &self,
+        program: &Program,
+        rule: &(dyn Fn(&Trajectory) -> bool + Sync),
+    ) -> Result<Advice, PlanError> {
+        self.advice(program, Some(rule))
+    }
+
+    fn advice(&self, program: &Program, rule: Rule<'_>) -> Result<Advice, PlanError> {
+        let mut times = self.cycle_times();
+        let version = times.version(program)?;
+        let cycle_time_s = version.cycle_time_s;
+        let (rows, changed) = self.changed(&mut times, version, rule, None);
+        self.check_stop()?;
+        Ok(Advice {
+            cycle_time_s,
+            rows,
+            changed_cycle_time_s: changed.cycle_time_s,
+            program: changed.program,
+        })
+    }
+
+    /// Searches for the fastest version of `program`: tries all changes, makes those that save
+    /// time, and tries all again, until no change saves a millisecond more.
+    ///
+    /// # Errors
+    ///
+    /// If the program cannot be planned as it is, or if the search is interrupted.
+    pub fn optimise(&self, program: &Program) -> Result<Optimum, PlanError> {
+        self.optimum(program, None)
+    }
+
+    /// As [`optimise`](Self::optimise), with only those changes after which `rule` accepts the
+    /// whole trajectory.
+    ///
+    /// # Errors
+    ///
+    /// As for [`optimise`](Self::optimise).
+    pub fn optimise_within(
+        &self,
+        program: &Program,
+        rule: &(dyn Fn(&Trajectory) -> bool + Sync),
+    ) -> Result<Optimum, PlanError> {
+        self.optimum(program, Some(rule))
+    }
+
+    fn optimum(&self, program: &Program, rule: Rule<'_>) -> Result<Optimum, PlanError> {
+        let plans_before = self.plans.load(Relaxed);
+        let plans = || self.plans.load(Relaxed) - plans_before;
+        let mut times = self.cycle_times();
+        let mut version = times.version(program)?;
+        let cycle_time_s = version.cycle_time_s;
+        let mut all = Vec::new();
+        if self.freedom.elbows {
+            let search = ChangeSearch { optimiser: self, version: &version, rule };
+            if let Some((changes, changed)) = elbows_together(&search, &mut times) {
+                version = changed;
+                all.extend(changes);
+            }
+        }
+        // All motions at first, then those whose surroundings have changed, and all at the end.
+        let mut tried = None;
+        let mut is_complete = false;
+        while !is_complete && plans() < self.budget {
+            let rows;
+            (rows, version) = self.changed(&mut times, version, rule, tried.as_deref());
+            is_complete = rows.is_empty() && tried.is_none();
+            let changed: Vec<_> = rows.into_iter().map(|row| row.change).collect();
+            tried = (!changed.is_empty()).then(|| surroundings(&version.program, &changed));
+            all.extend(changed);
+        }
+        self.check_stop()?;
+        Ok(Optimum {
+            cycle_time_s,
+            changed_cycle_time_s: version.cycle_time_s,
+            program: version.program,
+            changes: merged(all),
+            plans: plans(),
+            is_complete,
+        })
+    }
+
+    /// Tries the changes of a version, of all motions or only of some, and makes those that save
+    /// time, the largest saving first.
+    fn changed(
+        &self,
+        times: &mut CycleTimes<'_>,
+        mut version: Version,
+        rule: Rule<'_>,
+        motions: Option<&[bool]>,
+    ) -> (Vec<AdviceRow>, Version) {
+        let search = ChangeSearch { optimiser: self, version: &version, rule };
+        let mut found = search.best_changes(self.freedom, motions);
+        found
+            .sort_by(|(a, a_s), (b, b_s)| b_s.total_cmp(a_s).then_with(|| a.motion.cmp(&b.motion)));
+        let mut rows = Vec::new();
+        for (change, saved_s) in found {
+            let search = ChangeSearch { optimiser: self, version: &version, rule };
+            let Some(saved_on_top_s) = search.saved_s(times, &[&change]) else { continue };
+            let changed = change.apply(&version.program);
+            let Some(Ok(changed)) = changed.map(|changed| times.version(&changed)) else {
+                continue;
+            };
+            version = changed;
+            rows.push(AdviceRow { change, saved_s, saved_on_top_s });
+        }
+        (rows, version)
+    }
+
+    /// To the search, a plan that was interrupted is a change that is not possible.
+    fn check_stop(&self) -> Result<(), PlanError> {
+        if self.stop.load(Relaxed) { Err(TimingError::Interrupted.into()) } else { Ok(()) }
+    }
+
+    pub(crate) fn max_blend_mm(&self) -> f64 {
+        self.max_blend_mm
+    }
+
+    pub(crate) fn cycle_times(&self) -> CycleTimes<'_> {
+        CycleTimes::new(&self.robot, &self.options, &self.stop, &self.plans)
+    }
+}
+
+/// Marks the motions between the stops before and after each change. What a change of any other
+/// motion saves depends little on it.
+fn surroundings(program: &Program, changes: &[Change]) -> Vec<bool> {
+    let ends_in_stop = |entry: &Motion| entry.blend().is_none();
+    let mut marked = vec![false; program.motions.len()];
+    for change in changes {
+        let (first, last) = (change.motion.index(), change.last().index());
+        let before = program.motions[..first].iter().rposition(ends_in_stop);
+        // The motion after the last one starts with another elbow angle.
+        let after = (last + 1).min(marked.len() - 1);
+        let to_stop = program.motions[after..].iter().position(ends_in_stop);
+        let end = to_stop.map_or(marked.len(), |more| after + more + 1);
+        marked[before.unwrap_or(0)..end].fill(true);
+    }
+    marked
+}
+
+/// Merges changes that were made one after the other: each motion has at most one of each kind.
+fn merged(changes: Vec<Change>) -> Vec<Change> {
+    let mut all: BTreeMap<_, Change> = BTreeMap::new();
+    for change in changes {
+        let key = (change.motion, change.property());
+        match all.remove(&key) {
+            None => all.insert(key, change),
+            Some(earlier) => earlier.followed_by(change).and_then(|both| all.insert(key, both)),
+        };
+    }
+    all.into_values().collect()
+}
