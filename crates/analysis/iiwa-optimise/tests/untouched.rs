@@ -1,4 +1,4 @@
-//! What changes of a program leave as it is.
+//! Parts of a program that changes leave as they are.
 
 use iiwa_kin::{Pose, Robot};
 use iiwa_optimise::Optimiser;
