@@ -92,6 +92,7 @@ pub(crate) struct Input {
 
 impl Input {
     /// Creates the input for a program without a file.
+    #[cfg(feature = "sunrise")]
     pub(crate) fn generated(name: String, program: Program, robot: Robot) -> Self {
         let request = PlanRequest { robot: Some(robot), ..PlanRequest::default() };
         Self { name, source: program.into(), request }

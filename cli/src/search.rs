@@ -18,6 +18,7 @@ use crate::{
     args::SearchOptions,
     failure::Failure,
     input::{self, Input},
+    output,
     progress::Progress,
 };
 
@@ -39,6 +40,7 @@ impl Search<'_> {
         options: &SearchOptions,
         work: impl FnOnce(Search<'_>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
+        output::catch_interrupts();
         let robot = options.robot.as_deref();
         let mut input = program_or_application(&options.program, &options.answering, robot)?;
         input.request.options.timing = options.timing.with(SweepOptions::default());

@@ -410,7 +410,7 @@ def plan_all(
 def optimise(
     program: Program,
     *,
-    free: Iterable[Free] = ...,
+    free: Sequence[Free] = ...,
     robot: _Robot | None = None,
     timing: Timing = "sunrise",
     max_blend_mm: float = 50.0,

@@ -56,16 +56,16 @@ enum SearchFailure {
 
 /// Changes a program so that it is faster.
 ///
-/// `free` names the kinds of changes: `'e1'`, elbow angles at targets, with which the TCP takes the
-/// same path at the same speed; `'blends'`, radii of up to `max_blend_mm`, blends in place of
-/// stops, and motions that the program need not wait for; `'speeds'`, speeds of point-to-point
-/// motions. Targets, speeds of TCP paths, waits, inputs, outputs, tools and the order of motions
-/// are never changed.
+/// `free` names the kinds of changes: `'e1'`, elbow angles at targets, with which lines, circles
+/// and splines keep their TCP paths and programmed speeds; `'blends'`, radii of up to
+/// `max_blend_mm`, blends in place of stops, and motions that the program need not wait for;
+/// `'speeds'`, speeds of point-to-point motions. Targets, speeds of TCP paths, waits, inputs,
+/// outputs, tools and the order of motions are never changed.
 ///
 /// With a `scene`, each motion keeps `min_clearance_mm` from the obstacles, and the arm from
 /// itself; for a motion that has less in the unchanged program, that distance is the limit. Without
-/// a scene, nothing is checked for collisions. After `budget` plans, not all changes are tried once
-/// more. `progress(plans)` is called from time to time; Ctrl-C interrupts the search.
+/// a scene, nothing is checked for collisions. After `budget` plans, no further round of changes
+/// begins. `progress(plans)` is called from time to time; Ctrl-C interrupts the search.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program.load('fixtures/pick-and-place.json')
@@ -102,8 +102,12 @@ pub(crate) fn optimise(
     let robot = robot.map(|robot| robot.model(py)).transpose()?.unwrap_or_else(|| given.model());
     let options = plan_options(timing, "iiwa", "first-crossing", 100)?;
     let request = PlanRequest { robot: Some(robot), options, ..PlanRequest::default() };
-    let shapes = carried(&given.source).map_err(|error| plan_error(py, &error))?;
-    let scene = scene.map(|scene| Arc::clone(&scene.get().parsed));
+    let scene = scene
+        .map(|scene| {
+            let shapes = carried(&given.source).map_err(|error| plan_error(py, &error))?;
+            PyResult::Ok((Arc::clone(&scene.get().parsed), shapes))
+        })
+        .transpose()?;
     let source = Arc::clone(&given.source);
     // A local pool: threads of the global pool do not exist in a forked process.
     let pool = ThreadPoolBuilder::new()
@@ -120,8 +124,8 @@ pub(crate) fn optimise(
     let search = move |stop| {
         let optimiser = optimiser.interrupted_by(stop);
         let search = || match &scene {
-            Some(scene) => {
-                let arm = ArmInScene::new(planned.robot(), scene).carrying(&shapes);
+            Some((scene, shapes)) => {
+                let arm = ArmInScene::new(planned.robot(), scene).carrying(shapes);
                 within(&optimiser, &planned, &arm, 1e-3 * min_clearance_mm)
             }
             None => optimiser.optimise(&planned.program).map_err(SearchFailure::Plan),

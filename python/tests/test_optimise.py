@@ -48,7 +48,9 @@ def test_clearances_are_kept_in_a_scene() -> None:
 
 def test_progress_is_reported() -> None:
     seen: list[int] = []
-    optimum = iw.optimise(pick_and_place(), free=ALL, progress=seen.append)
+    cell = iw.Program.load(FIXTURES / "sunrise/cell/expected.json")
+    optimum = iw.optimise(cell, free=ALL, progress=seen.append)
+    assert seen
     assert seen == sorted(seen)
     assert all(plans <= optimum.plans for plans in seen)
 

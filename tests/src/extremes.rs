@@ -334,7 +334,7 @@ mod tests {
         const SAMPLES: u32 = 1000;
         let config = ProptestConfig { rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() };
         let mut runner = TestRunner::new(config);
-        for _ in 0..6 {
+        for _ in 0..if std::env::var_os("IIWASIM_LONG").is_some() { 50 } else { 6 } {
             let program = programs(4).new_tree(&mut runner).unwrap().current();
             let path = JointPath::new(&program, &Robot::default()).unwrap();
             for timing in [Timing::jerk_limited(), Timing::Acceleration(SweepOptions::default())] {

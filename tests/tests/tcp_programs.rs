@@ -212,7 +212,8 @@ fn targets_of(segment: &mut SplineSegment) -> Vec<&mut TargetRef> {
 #[test]
 fn scaled_limits_scale_time() {
     const FACTOR: f64 = 1.7;
-    for index in 0..30 {
+    let count = if std::env::var_os("IIWASIM_LONG").is_some() { 300 } else { 30 };
+    for index in 0..count {
         let TcpProgram { robot, program, .. } = tcp_program(4, index);
         let mut slow = program.clone();
         for motion in &mut slow.motions {

@@ -9,18 +9,20 @@ use super::SearchOptions;
 
 /// Change a program so that it is faster.
 ///
-/// The command makes changes of the kinds that --free allows, until none of them saves another
-/// millisecond, and writes the changed program. It prints the changes, and then the differences of
-/// the two plans as `iiwasim diff` does. `iiwasim advise` lists the changes that are tried, with
-/// what each of them saves.
+/// The command makes changes of the kinds that --free allows, until no single one of them saves
+/// another millisecond, and writes the changed program. It prints the changes, and then the
+/// differences of the two plans as `iiwasim diff` does. The changes are those of `iiwasim advise`;
+/// elbow angles of neighbouring motions are first tried together, in steps of 30 deg. Changes of
+/// several rounds add up: E1 may change by more than 90 deg.
 ///
-/// With `e1`, the TCP takes the same path at the same speed, and only the elbow angle (E1) at
-/// targets changes; first for neighbouring motions together, in steps of 30 deg. With `blends`, the
-/// TCP passes targets within the radius and does not reach them. Targets, speeds of TCP paths,
-/// waits, inputs, outputs, tools and the order of motions are never changed.
+/// With `e1`, lines, circles and splines keep their TCP paths and programmed speeds. The elbow
+/// moves elsewhere, and point-to-point motions take other paths. With `blends`, the TCP passes
+/// targets within the radius and does not reach them. Targets, speeds of TCP paths, waits, inputs,
+/// outputs, tools and the order of motions are never changed.
 ///
 /// The changed program is planned again from its text before it is written. If no change saves a
-/// millisecond, the unchanged program is written.
+/// millisecond, the unchanged program is written. With --robot, the written program names that
+/// robot.
 ///
 /// Changes are checked for collisions only with --scene: each motion keeps --min-clearance from the
 /// obstacles, and the arm from itself. The unchanged program must not touch an obstacle.
@@ -39,7 +41,7 @@ pub(crate) struct Optimise {
     )]
     pub(crate) free: Vec<FreeKind>,
 
-    /// Number of plans after which the search does not try all changes once more
+    /// Number of plans after which no further round of changes begins
     #[arg(long, value_name = "PLANS", default_value_t = 50_000)]
     pub(crate) budget: u64,
 

@@ -1,24 +1,24 @@
 //! `iiwasim optimise`.
 
-use std::path::Path;
+use std::{fs, path::Path};
 
 use iiwa_eval::PlanVersion;
 use iiwa_optimise::{Freedom, Optimum};
-use iiwa_plan::Plan;
+use iiwa_plan::{Plan, ProgramSource};
 use iiwa_program::Program;
 use iiwa_report::{DifferenceReport, OptimumReport};
 
 use crate::{
     args::Optimise,
     failure::{Failure, print_note},
-    input::Input,
+    input::{self, Input},
     output,
     output_kind::OutputKind,
     search::Search,
     terminal,
 };
 
-/// Writes the fastest version of a program that the search finds, and prints what changes.
+/// Writes the fastest version of a program that the search finds, and prints the changes.
 pub(crate) fn run(options: &Optimise) -> Result<(), Failure> {
     keep_existing(options)?;
     Search::with(&options.search, |search| finish(options, search))
@@ -26,13 +26,18 @@ pub(crate) fn run(options: &Optimise) -> Result<(), Failure> {
 
 fn finish(options: &Optimise, mut search: Search<'_>) -> Result<(), Failure> {
     let program = &search.plan.program;
+    // A program that cannot be exported is an error before the search.
+    #[cfg(feature = "sunrise")]
+    if !is_program(&options.output) {
+        crate::commands::sunrise::export::check(search.input, search.plan.robot())?;
+    }
     search.optimiser = search.optimiser.with_freedom(options.freedom()).with_budget(options.budget);
     let optimiser = &search.optimiser;
     let optimum = search.run(|| match search.rule {
         Some(rule) => optimiser.optimise_within(program, rule),
         None => optimiser.optimise(program),
     })?;
-    let (changed, plan) = planned_again(&search, &optimum)?;
+    let (changed, plan) = planned_again(options, &search, &optimum)?;
     let differences = DifferenceReport::new(&search.plan.into(), &PlanVersion::from(&plan));
     let report = OptimumReport::new(&optimum, program, search.rule.is_some(), differences);
     write(options, &changed)?;
@@ -47,27 +52,50 @@ fn finish(options: &Optimise, mut search: Search<'_>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Plans the changed program from its text, as it is written.
-fn planned_again(search: &Search<'_>, optimum: &Optimum) -> Result<(Input, Plan), Failure> {
+/// Plans the changed program from its text, as it is written: with the robot and the files that it
+/// names.
+fn planned_again(
+    options: &Optimise,
+    search: &Search<'_>,
+    optimum: &Optimum,
+) -> Result<(Input, Plan), Failure> {
     const TOLERANCE_S: f64 = 1e-6;
 
-    let Search { input, plan, .. } = search;
+    let name = &search.input.name;
     let wrong = |what: &str| {
-        Failure::input(format!("{}: the changed program {what}; nothing is written", input.name))
+        Failure::input(format!("{name}: the changed program {what}; nothing is written"))
     };
-    let program = Program::from_json(&optimum.program.to_json())
-        .map_err(|error| wrong(&format!("cannot be read again: {error}")))?;
-    let mut changed = Input::generated(input.name.clone(), program, plan.robot().clone());
-    changed.request.options = input.request.options;
+    let mut program = optimum.program.clone();
+    let usual = input::usual_robot().filter(|_| program.robot.is_none());
+    if let Some(robot) = options.search.robot.as_deref().or(usual) {
+        program.robot = Some(named(&program, robot));
+    }
+    let beside =
+        if is_program(&options.output) { &options.output } else { &options.search.program };
+    let source = ProgramSource::beside(beside, &program.to_json());
+    let source = source.map_err(|error| wrong(&format!("cannot be read again: {error}")))?;
+    let mut request = input::request(&source, None)?;
+    request.options = search.input.request.options;
+    let changed = Input { name: name.clone(), source, request };
     let planned = changed.plan()?;
     let cycle_time_s = planned.trajectory.cycle_time_s();
     if (cycle_time_s - optimum.changed_cycle_time_s).abs() > TOLERANCE_S {
         return Err(wrong(&format!("takes {cycle_time_s:.6} s when it is planned again")));
     }
     if !search.allows(&planned.trajectory) {
-        return Err(wrong("comes too near to an obstacle when it is planned again"));
+        return Err(wrong("brings the arm too near to an obstacle when it is planned again"));
     }
     Ok((changed, planned))
+}
+
+/// Name of a robot in a program: the robot of a file by its full path, since the program may be
+/// written to another folder.
+fn named(program: &Program, robot: &str) -> String {
+    match program.robot.as_deref() {
+        Some(own) if own == robot => own.to_owned(),
+        _ => fs::canonicalize(robot)
+            .map_or_else(|_| robot.to_owned(), |path| path.display().to_string()),
+    }
 }
 
 /// Returns true for a program in JSON; any other output is the folder of a project.
@@ -75,14 +103,33 @@ fn is_program(output: &Path) -> bool {
     output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
 }
 
-/// Rejects outputs that exist, unless they are to be replaced.
+/// Rejects outputs that exist, unless they are to be replaced, and those among the inputs.
 fn keep_existing(options: &Optimise) -> Result<(), Failure> {
     let output = options.output.as_path();
+    let search = &options.search;
     if is_program(output) {
+        let scene = search.scene.as_deref().map(|path| ("scene", path));
+        let inputs = [("program", search.program.as_path())].into_iter().chain(scene);
+        output::keep_others(OutputKind::Program, output, inputs, "--output")?;
         return output::keep_existing(OutputKind::Program, output, options.overwrite);
     }
     #[cfg(feature = "sunrise")]
-    return super::sunrise::export::keep_existing(output, options.overwrite);
+    {
+        let full = |path: &Path| fs::canonicalize(path).ok();
+        // The folder need not exist yet.
+        let folder = full(output).or_else(|| output.parent().and_then(full));
+        if let (Some(project), Some(folder)) = (full(&search.program), folder)
+            && project.is_dir()
+            && (folder.starts_with(&project) || output.exists() && project.starts_with(&folder))
+        {
+            return Err(Failure::input(format!(
+                "{} and the project that is read lie in each other; name another folder with \
+                 --output",
+                output.display()
+            )));
+        }
+        crate::commands::sunrise::export::keep_existing(output, options.overwrite)
+    }
     #[cfg(not(feature = "sunrise"))]
     Err(crate::features::SUNRISE.missing("a Sunrise project"))
 }
@@ -99,7 +146,8 @@ fn write(options: &Optimise, changed: &Input) -> Result<(), Failure> {
         let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let how = iiwa_sunrise::ExportOptions { name, class: None };
         let robot = changed.robot()?;
-        let project = super::sunrise::export::write_project(changed, &robot, &how, output)?;
+        let project =
+            crate::commands::sunrise::export::write_project(changed, &robot, &how, output)?;
         let start_deg = project.start_deg.map(|deg| deg.to_string()).join(",");
         print_note(&format!(
             "Note: {}: the application {}; the arm must be at {start_deg} deg before it runs\n",
@@ -107,7 +155,8 @@ fn write(options: &Optimise, changed: &Input) -> Result<(), Failure> {
             project.class
         ));
         for notice in &project.notices {
-            print_note(&format!("Note: {}\n", iiwa_json::printable(&notice.to_string())));
+            let notice = changed.source.program.sources.in_message(&notice.to_string());
+            print_note(&format!("Note: {}\n", iiwa_json::printable(&notice)));
         }
     }
     Ok(())

@@ -57,6 +57,13 @@ pub(crate) fn run(options: &Export) -> Result<(), Failure> {
     ))
 }
 
+/// Checks that a program can be exported.
+pub(crate) fn check(input: &Input, robot: &Robot) -> Result<(), Failure> {
+    let how = ExportOptions { name: "motion program".to_owned(), class: None };
+    let project = ExportedProject::new(&input.source.program, robot, &how);
+    project.map(drop).map_err(|error| export_failure(&error, input))
+}
+
 /// Writes a program as a Sunrise project, atomically.
 pub(crate) fn write_project(
     input: &Input,

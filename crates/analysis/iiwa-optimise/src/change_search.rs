@@ -1,6 +1,6 @@
 //! Search for single changes of one version of a program.
 
-use std::ops::Range;
+use std::{ops::Range, sync::atomic::AtomicU64};
 
 use iiwa_program::Program;
 use rayon::prelude::*;
@@ -10,8 +10,7 @@ use crate::{
     change::Change,
     cycle_time::{CycleTimes, Version},
     elbows::{ElbowGroup, RANGE_DEG, STEPS_DEG},
-    freedom::Freedom,
-    optimiser::{Optimiser, Rule},
+    optimiser::{AdviceRow, Optimiser, Rule},
     speeds::full_speeds,
 };
 
@@ -27,6 +26,8 @@ pub(crate) struct ChangeSearch<'a> {
     pub(crate) optimiser: &'a Optimiser,
     pub(crate) version: &'a Version,
     pub(crate) rule: Rule<'a>,
+    /// Number of plans of this search.
+    pub(crate) plans: &'a AtomicU64,
 }
 
 /// A question of the search: alternatives of which at most one is kept.
@@ -50,13 +51,48 @@ impl Alternatives {
 }
 
 impl ChangeSearch<'_> {
+    /// Tries changes, of all motions or only of marked ones, and makes those that save time, the
+    /// largest saving first. Returns no version if nothing changes.
+    pub(crate) fn round(
+        &self,
+        times: &mut CycleTimes<'_>,
+        motions: Option<&[bool]>,
+    ) -> (Vec<AdviceRow>, Option<Version>) {
+        let mut found = self.best_changes(motions);
+        found
+            .sort_by(|(a, a_s), (b, b_s)| b_s.total_cmp(a_s).then_with(|| a.motion.cmp(&b.motion)));
+        let mut rows = Vec::new();
+        let mut changed: Option<Version> = None;
+        for (change, saved_s) in found {
+            let version = changed.as_ref().unwrap_or(self.version);
+            let search = ChangeSearch { version, ..*self };
+            let Some(saved_on_top_s) = search.saved_s(times, &[&change]) else { continue };
+            let program = change.apply(&version.program);
+            let Some(Ok(next)) = program.map(|program| times.version(&program)) else { continue };
+            changed = Some(next);
+            rows.push(AdviceRow { change, saved_s, saved_on_top_s });
+        }
+        (rows, changed)
+    }
+
+    /// Returns the version with all changes; `None` if they save less than a millisecond, or are
+    /// not possible.
+    pub(crate) fn with_all(
+        &self,
+        times: &mut CycleTimes<'_>,
+        changes: &[Change],
+    ) -> Option<Version> {
+        let apply = |program: Program, change: &Change| change.apply(&program);
+        let program = changes.iter().try_fold(self.version.program.clone(), apply)?;
+        let version = times.version(&program).ok()?;
+        let is_faster = self.version.cycle_time_s - version.cycle_time_s >= LEAST_S;
+        (is_faster && self.allows(times, &version.program)).then_some(version)
+    }
+
     /// Returns the best change of each kind at each place, or only at marked motions, with the time
     /// that it saves, in s.
-    pub(crate) fn best_changes(
-        &self,
-        freedom: Freedom,
-        motions: Option<&[bool]>,
-    ) -> Vec<(Change, f64)> {
+    fn best_changes(&self, motions: Option<&[bool]>) -> Vec<(Change, f64)> {
+        let freedom = self.optimiser.freedom();
         let program = &self.version.program;
         let mut all = Vec::new();
         if freedom.elbows {
@@ -76,13 +112,17 @@ impl ChangeSearch<'_> {
             all.retain(|alternatives| alternatives.motions().any(|motion| motions[motion]));
         }
         let best = all.into_par_iter().map_init(
-            || self.optimiser.cycle_times(),
+            || self.cycle_times(),
             |times, alternatives| match alternatives {
                 Alternatives::Elbow(group, e1_rad) => self.best_elbow(times, group, e1_rad),
                 Alternatives::List(changes) => self.best_of(times, changes),
             },
         );
         best.flatten().collect()
+    }
+
+    pub(crate) fn cycle_times(&self) -> CycleTimes<'_> {
+        self.optimiser.cycle_times(self.plans)
     }
 
     /// Time that changes save together, in s; `None` if it is less than a millisecond, or if they

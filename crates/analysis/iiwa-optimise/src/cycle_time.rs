@@ -31,8 +31,8 @@ pub(crate) struct CycleTimes<'a> {
     robot: &'a Robot,
     options: &'a PlanOptions,
     stop: &'a Arc<AtomicBool>,
-    /// Number of plans.
-    plans: &'a AtomicU64,
+    /// Numbers of plans: of this search, and of all searches.
+    plans: [&'a AtomicU64; 2],
     planner: Option<Planner>,
 }
 
@@ -41,7 +41,7 @@ impl<'a> CycleTimes<'a> {
         robot: &'a Robot,
         options: &'a PlanOptions,
         stop: &'a Arc<AtomicBool>,
-        plans: &'a AtomicU64,
+        plans: [&'a AtomicU64; 2],
     ) -> Self {
         Self { robot, options, stop, plans, planner: None }
     }
@@ -69,12 +69,15 @@ impl<'a> CycleTimes<'a> {
     }
 
     /// Cycle time after changes, in s, and the changed program; `None` if the robot cannot execute
-    /// it.
+    /// it, or if the search is interrupted.
     pub(crate) fn changed(
         &mut self,
         version: &Version,
         changes: &[&Change],
     ) -> Option<(Program, f64)> {
+        if self.stop.load(Relaxed) {
+            return None;
+        }
         let first = changes.iter().map(|change| change.motion).min()?;
         let last = changes.iter().map(|change| change.last()).max()?;
         let program = changes
@@ -124,7 +127,9 @@ impl<'a> CycleTimes<'a> {
 
     /// Returns the planner, at the start of `path`.
     fn planner(&mut self, path: &JointPath) -> &mut Planner {
-        self.plans.fetch_add(1, Relaxed);
+        for plans in self.plans {
+            plans.fetch_add(1, Relaxed);
+        }
         match &mut self.planner {
             Some(planner) => {
                 planner.restart(path);

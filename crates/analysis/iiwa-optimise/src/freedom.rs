@@ -15,6 +15,6 @@ pub struct Freedom {
 impl Freedom {
     /// All kinds.
     pub const ALL: Self = Self { elbows: true, blends: true, speeds: true };
-    /// Elbow angles alone: the TCP takes the same path at the same speed.
+    /// Elbow angles alone: lines, circles and splines keep their paths and programmed speeds.
     pub const ELBOWS: Self = Self { elbows: true, blends: false, speeds: false };
 }

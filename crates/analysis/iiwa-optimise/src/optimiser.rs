@@ -14,11 +14,8 @@ use iiwa_program::{Motion, Program};
 use iiwa_traj::{PlanError, TimingError, Trajectory};
 
 use crate::{
-    change::Change,
-    change_search::ChangeSearch,
-    cycle_time::{CycleTimes, Version},
-    elbow_chain::elbows_together,
-    freedom::Freedom,
+    change::Change, change_search::ChangeSearch, cycle_time::CycleTimes,
+    elbow_chain::elbows_together, freedom::Freedom,
 };
 
 /// Changes of a program that save time.
@@ -47,7 +44,7 @@ pub struct AdviceRow {
     pub saved_on_top_s: f64,
 }
 
-/// The fastest version of a program that a search has found.
+/// The fastest version of a program that a search has found: a local optimum.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Optimum {
@@ -57,7 +54,7 @@ pub struct Optimum {
     pub program: Program,
     /// Its cycle time, in s.
     pub changed_cycle_time_s: f64,
-    /// Differences between the two programs, in the order of the motions.
+    /// Changes that lead from the program to the changed one, in the order of the motions.
     pub changes: Vec<Change>,
     /// Number of plans that were compared.
     pub plans: u64,
@@ -107,8 +104,8 @@ impl Optimiser {
         Self { max_blend_mm, ..self }
     }
 
-    /// Sets the number of plans after which [`optimise`](Self::optimise) does not try all changes
-    /// once more. The result does not depend on the speed of the machine.
+    /// Sets the number of plans after which [`optimise`](Self::optimise) begins no further round of
+    /// changes. The result does not depend on the speed of the machine.
     #[must_use]
     pub fn with_budget(self, plans: u64) -> Self {
         Self { budget: plans, ..self }
@@ -120,7 +117,7 @@ impl Optimiser {
         Self { stop, ..self }
     }
 
-    /// Number of plans of this optimiser so far, also while a search runs.
+    /// Number of plans of this optimiser and its clones so far, also while a search runs.
     #[must_use]
     pub fn plan_count(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.plans)
@@ -132,7 +129,7 @@ impl Optimiser {
     ///
     /// If the program cannot be planned.
     pub fn plan(&self, program: &Program) -> Result<Trajectory, PlanError> {
-        self.cycle_times().plan(program)
+        self.cycle_times(&AtomicU64::new(0)).plan(program)
     }
 
     /// Searches for changes of `program` that save at least a millisecond each.
@@ -159,11 +156,14 @@ impl Optimiser {
     }
 
     fn advice(&self, program: &Program, rule: Rule<'_>) -> Result<Advice, PlanError> {
-        let mut times = self.cycle_times();
+        let plans = AtomicU64::new(0);
+        let mut times = self.cycle_times(&plans);
         let version = times.version(program)?;
         let cycle_time_s = version.cycle_time_s;
-        let (rows, changed) = self.changed(&mut times, version, rule, None);
+        let search = ChangeSearch { optimiser: self, version: &version, rule, plans: &plans };
+        let (rows, changed) = search.round(&mut times, None);
         self.check_stop()?;
+        let changed = changed.unwrap_or(version);
         Ok(Advice {
             cycle_time_s,
             rows,
@@ -172,8 +172,8 @@ impl Optimiser {
         })
     }
 
-    /// Searches for the fastest version of `program`: tries all changes, makes those that save
-    /// time, and tries all again, until no change saves a millisecond more.
+    /// Searches for a faster version of `program`: tries all changes, makes those that save time,
+    /// and tries again, until no single change saves a millisecond more.
     ///
     /// # Errors
     ///
@@ -197,66 +197,49 @@ impl Optimiser {
     }
 
     fn optimum(&self, program: &Program, rule: Rule<'_>) -> Result<Optimum, PlanError> {
-        let plans_before = self.plans.load(Relaxed);
-        let plans = || self.plans.load(Relaxed) - plans_before;
-        let mut times = self.cycle_times();
+        let plans = AtomicU64::new(0);
+        let mut times = self.cycle_times(&plans);
         let mut version = times.version(program)?;
-        let cycle_time_s = version.cycle_time_s;
-        let mut all = Vec::new();
+        let unchanged = version.clone();
+        let mut changes = Vec::new();
         if self.freedom.elbows {
-            let search = ChangeSearch { optimiser: self, version: &version, rule };
-            if let Some((changes, changed)) = elbows_together(&search, &mut times) {
+            let search = ChangeSearch { optimiser: self, version: &version, rule, plans: &plans };
+            if let Some((turns, changed)) = elbows_together(&search, &mut times) {
                 version = changed;
-                all.extend(changes);
+                changes = turns;
             }
         }
         // All motions at first, then those whose surroundings have changed, and all at the end.
         let mut tried = None;
         let mut is_complete = false;
-        while !is_complete && plans() < self.budget {
-            let rows;
-            (rows, version) = self.changed(&mut times, version, rule, tried.as_deref());
+        while !is_complete && plans.load(Relaxed) < self.budget {
+            self.check_stop()?;
+            let search = ChangeSearch { optimiser: self, version: &version, rule, plans: &plans };
+            let (rows, changed) = search.round(&mut times, tried.as_deref());
             is_complete = rows.is_empty() && tried.is_none();
-            let changed: Vec<_> = rows.into_iter().map(|row| row.change).collect();
-            tried = (!changed.is_empty()).then(|| surroundings(&version.program, &changed));
-            all.extend(changed);
+            let made: Vec<_> = rows.into_iter().map(|row| row.change).collect();
+            tried = (!made.is_empty()).then(|| surroundings(program, &made));
+            version = changed.unwrap_or(version);
+            changes.extend(made);
         }
         self.check_stop()?;
+        let changes = merged(changes);
+        // Without the changes that later ones have undone.
+        let search = ChangeSearch { optimiser: self, version: &unchanged, rule, plans: &plans };
+        let version = search.with_all(&mut times, &changes);
+        self.check_stop()?;
+        let (changes, version) = match version {
+            Some(version) => (changes, version),
+            None => (Vec::new(), unchanged.clone()),
+        };
         Ok(Optimum {
-            cycle_time_s,
+            cycle_time_s: unchanged.cycle_time_s,
             changed_cycle_time_s: version.cycle_time_s,
             program: version.program,
-            changes: merged(all),
-            plans: plans(),
+            changes,
+            plans: plans.load(Relaxed),
             is_complete,
         })
-    }
-
-    /// Tries the changes of a version, of all motions or only of some, and makes those that save
-    /// time, the largest saving first.
-    fn changed(
-        &self,
-        times: &mut CycleTimes<'_>,
-        mut version: Version,
-        rule: Rule<'_>,
-        motions: Option<&[bool]>,
-    ) -> (Vec<AdviceRow>, Version) {
-        let search = ChangeSearch { optimiser: self, version: &version, rule };
-        let mut found = search.best_changes(self.freedom, motions);
-        found
-            .sort_by(|(a, a_s), (b, b_s)| b_s.total_cmp(a_s).then_with(|| a.motion.cmp(&b.motion)));
-        let mut rows = Vec::new();
-        for (change, saved_s) in found {
-            let search = ChangeSearch { optimiser: self, version: &version, rule };
-            let Some(saved_on_top_s) = search.saved_s(times, &[&change]) else { continue };
-            let changed = change.apply(&version.program);
-            let Some(Ok(changed)) = changed.map(|changed| times.version(&changed)) else {
-                continue;
-            };
-            version = changed;
-            rows.push(AdviceRow { change, saved_s, saved_on_top_s });
-        }
-        (rows, version)
     }
 
     /// To the search, a plan that was interrupted is a change that is not possible.
@@ -264,12 +247,17 @@ impl Optimiser {
         if self.stop.load(Relaxed) { Err(TimingError::Interrupted.into()) } else { Ok(()) }
     }
 
+    pub(crate) fn freedom(&self) -> Freedom {
+        self.freedom
+    }
+
     pub(crate) fn max_blend_mm(&self) -> f64 {
         self.max_blend_mm
     }
 
-    pub(crate) fn cycle_times(&self) -> CycleTimes<'_> {
-        CycleTimes::new(&self.robot, &self.options, &self.stop, &self.plans)
+    /// Returns a planner that counts its plans in `plans`, too.
+    pub(crate) fn cycle_times<'a>(&'a self, plans: &'a AtomicU64) -> CycleTimes<'a> {
+        CycleTimes::new(&self.robot, &self.options, &self.stop, [plans, &self.plans])
     }
 }
 

@@ -126,8 +126,12 @@ fn touches_by_less(arm: &ArmInScene, trajectory: &Trajectory, t_s: f64) -> bool 
     arm.clearance(&trajectory.at(t_s).q).unwrap().distance_m > 0.0
 }
 
+fn cases() -> u32 {
+    if std::env::var_os("IIWASIM_LONG").is_some() { 1000 } else { 80 }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(80))]
+    #![proptest_config(ProptestConfig::with_cases(cases()))]
 
     #[test]
     fn no_sample_is_nearer(program in programs(4), seed in any::<u64>(), jerk in 0..4) {

@@ -54,10 +54,12 @@ impl OptimumReport {
     /// Writes the report as text, with tables that are at most `width` columns wide, if given.
     #[must_use]
     pub fn text(&self, width: Option<u16>) -> String {
-        let end = if self.complete {
-            "no other change of these kinds saves a millisecond"
-        } else {
-            "the budget ended the search"
+        let end = match (self.complete, self.checked_for_collisions) {
+            (true, false) => "no other change of these kinds saves a millisecond",
+            (true, true) => {
+                "no other change of these kinds that keeps the clearances saves a millisecond"
+            }
+            (false, _) => "the budget ended the search",
         };
         let search = format!("{} plans compared; {end}.\n", self.plans);
         if self.changes.is_empty() {
