@@ -40,9 +40,10 @@ impl Search<'_> {
         options: &SearchOptions,
         work: impl FnOnce(Search<'_>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        output::catch_interrupts();
         let robot = options.robot.as_deref();
         let mut input = program_or_application(&options.program, &options.answering, robot)?;
+        // Not before a program is read from a terminal.
+        output::catch_interrupts();
         input.request.options.timing = options.timing.with(SweepOptions::default());
         // Plans the program as it is: its errors name places in its text.
         let plan = input.request.plan_with(&mut None, &input.source, &interrupt::flag());

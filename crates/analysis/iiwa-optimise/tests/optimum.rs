@@ -91,7 +91,7 @@ fn no_pair_of_elbow_angles_is_much_faster() {
     const STEP_DEG: f64 = 10.0;
     let frame = |x_mm: f64, y_mm: f64, z_mm: f64, e1_deg: f64| {
         format!(
-            r#""to": {{ "x_mm": {x_mm}, "y_mm": {y_mm}, "z_mm": {z_mm}, "a_deg": 0, "b_deg": 180,
+            r#""frame": {{ "x_mm": {x_mm}, "y_mm": {y_mm}, "z_mm": {z_mm}, "a_deg": 0, "b_deg": 180,
                         "c_deg": 0, "e1_deg": {e1_deg}, "status": 2 }}"#
         )
     };
@@ -174,8 +174,10 @@ fn threads_make_no_difference() {
 /// Another robot has other limits.
 #[test]
 fn the_robot_matters() {
-    let program =
-        Program::from_json(include_str!("../../../../fixtures/ten-motions.json")).unwrap();
+    let program = Program::from_deg([0.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .ptp_deg([40.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .ptp_deg([40.0, 40.0, 0.0, -50.0, 0.0, 60.0, 0.0])
+        .build();
     let [small, large] = ["lbr_iiwa_7_r800", "lbr_iiwa_14_r820"].map(|name| {
         let robot = Robot::built_in(name).unwrap();
         let options = iiwa_plan::PlanOptions::default();
