@@ -144,7 +144,7 @@ class Browser:
         )
 
     def spare_frames(self) -> None:
-        """Limits pages that are opened later to ten frames per second.
+        """Limits pages that are opened later to four frames per second.
 
         Without a graphics card, a page that draws all the time keeps a core busy. `allFrames`, set
         to true in a page, ends this.
@@ -153,7 +153,7 @@ class Browser:
             const next = window.requestAnimationFrame.bind(window);
             let drawn = 0;
             window.requestAnimationFrame = done => next(function frame(now) {
-                if (!window.allFrames && now !== drawn && now - drawn < 100) return next(frame);
+                if (!window.allFrames && now !== drawn && now - drawn < 250) return next(frame);
                 drawn = now;
                 done(now);
             });
