@@ -26,7 +26,7 @@ use crate::{
 pub(crate) type PathRule<'a> = &'a (dyn Fn(&Trajectory) -> bool + Sync);
 
 /// A program with its plan, and what a search for changes needs.
-pub(crate) struct Search<'a> {
+pub(crate) struct SearchedProgram<'a> {
     pub(crate) input: &'a Input,
     pub(crate) plan: &'a Plan,
     pub(crate) optimiser: Optimiser,
@@ -34,11 +34,11 @@ pub(crate) struct Search<'a> {
     pub(crate) rule: Option<PathRule<'a>>,
 }
 
-impl Search<'_> {
+impl SearchedProgram<'_> {
     /// Reads and plans the program, measures its clearances, and calls `work`.
     pub(crate) fn with(
         options: &SearchOptions,
-        work: impl FnOnce(Search<'_>) -> Result<(), Failure>,
+        work: impl FnOnce(SearchedProgram<'_>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let robot = options.robot.as_deref();
         let mut input = program_or_application(&options.program, &options.answering, robot)?;
@@ -51,7 +51,7 @@ impl Search<'_> {
         let optimiser = Optimiser::new(plan.robot().clone(), input.request.options)
             .with_max_blend_mm(options.max_blend_mm)
             .interrupted_by(interrupt::flag());
-        let search = Search { input: &input, plan: &plan, optimiser, rule: None };
+        let search = SearchedProgram { input: &input, plan: &plan, optimiser, rule: None };
         let Some(scene) = &options.scene else { return work(search) };
         let scene = input::scene(scene)?;
         let shapes = carried(&input.source).map_err(|error| input.to_failure(&error))?;
@@ -67,7 +67,7 @@ impl Search<'_> {
                 ))
             })?;
         let rule = |trajectory: &Trajectory| clearances.allow(trajectory);
-        work(Search { rule: Some(&rule), ..search })
+        work(SearchedProgram { rule: Some(&rule), ..search })
     }
 
     /// Runs a search with its progress.

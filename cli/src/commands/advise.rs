@@ -9,7 +9,7 @@ use crate::{
     failure::{Failure, print_note},
     output,
     output_kind::OutputKind,
-    search::Search,
+    search::SearchedProgram,
     terminal,
 };
 
@@ -18,11 +18,11 @@ pub(crate) fn run(options: &Advise) -> Result<(), Failure> {
     if let Some(path) = &options.output {
         output::keep_existing(OutputKind::Program, path, options.overwrite)?;
     }
-    Search::with(&options.search, |search| finish(options, &search))
+    SearchedProgram::with(&options.search, |search| finish(options, &search))
 }
 
 /// Prints the advice, and writes the program with the chosen changes.
-fn finish(options: &Advise, search: &Search<'_>) -> Result<(), Failure> {
+fn finish(options: &Advise, search: &SearchedProgram<'_>) -> Result<(), Failure> {
     let (optimiser, program) = (&search.optimiser, &search.plan.program);
     let advice = search.run(|| match search.rule {
         Some(rule) => optimiser.advise_within(program, rule),

@@ -14,17 +14,17 @@ use crate::{
     input::{self, Input},
     output,
     output_kind::OutputKind,
-    search::Search,
+    search::SearchedProgram,
     terminal,
 };
 
 /// Writes the fastest version of a program that the search finds, and prints the changes.
 pub(crate) fn run(options: &Optimise) -> Result<(), Failure> {
     keep_existing(options)?;
-    Search::with(&options.search, |search| finish(options, search))
+    SearchedProgram::with(&options.search, |search| finish(options, search))
 }
 
-fn finish(options: &Optimise, mut search: Search<'_>) -> Result<(), Failure> {
+fn finish(options: &Optimise, mut search: SearchedProgram<'_>) -> Result<(), Failure> {
     let program = &search.plan.program;
     // A program that cannot be exported is an error before the search.
     #[cfg(feature = "sunrise")]
@@ -56,7 +56,7 @@ fn finish(options: &Optimise, mut search: Search<'_>) -> Result<(), Failure> {
 /// names.
 fn planned_again(
     options: &Optimise,
-    search: &Search<'_>,
+    search: &SearchedProgram<'_>,
     optimum: &Optimum,
 ) -> Result<(Input, Plan), Failure> {
     const TOLERANCE_S: f64 = 1e-6;

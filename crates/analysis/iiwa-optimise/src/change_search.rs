@@ -3,6 +3,7 @@
 use std::{ops::Range, sync::atomic::AtomicU64};
 
 use iiwa_program::Program;
+use iiwa_traj::Trajectory;
 use rayon::prelude::*;
 
 use crate::{
@@ -10,7 +11,8 @@ use crate::{
     change::Change,
     cycle_time::{CycleTimes, Version},
     elbows::{ElbowGroup, RANGE_DEG, STEPS_DEG},
-    optimiser::{AdviceRow, Optimiser, Rule},
+    results::AdviceRow,
+    search_settings::SearchSettings,
     speeds::full_speeds,
 };
 
@@ -21,9 +23,12 @@ pub(crate) const LEAST_S: f64 = 1e-3;
 /// nearer to the corner.
 const ENOUGH: f64 = 0.95;
 
+/// Rule that the trajectory of a changed program has to satisfy.
+pub(crate) type Rule<'a> = Option<&'a (dyn Fn(&Trajectory) -> bool + Sync)>;
+
 /// Search for changes of one version of a program.
 pub(crate) struct ChangeSearch<'a> {
-    pub(crate) optimiser: &'a Optimiser,
+    pub(crate) settings: &'a SearchSettings,
     pub(crate) version: &'a Version,
     pub(crate) rule: Rule<'a>,
     /// Number of plans of this search.
@@ -92,7 +97,7 @@ impl ChangeSearch<'_> {
     /// Returns the best change of each kind at each place, or only at marked motions, with the time
     /// that it saves, in s.
     fn best_changes(&self, motions: Option<&[bool]>) -> Vec<(Change, f64)> {
-        let freedom = self.optimiser.freedom();
+        let freedom = self.settings.freedom;
         let program = &self.version.program;
         let mut all = Vec::new();
         if freedom.elbows {
@@ -101,7 +106,7 @@ impl ChangeSearch<'_> {
         }
         let single = |change: Change| Alternatives::List(vec![change]);
         if freedom.blends {
-            let radii = blends(program, self.optimiser.max_blend_mm()).into_iter();
+            let radii = blends(program, self.settings.max_blend_mm).into_iter();
             all.extend(radii.map(Alternatives::List));
             all.extend(awaited(program).into_iter().map(single));
         }
@@ -122,7 +127,7 @@ impl ChangeSearch<'_> {
     }
 
     pub(crate) fn cycle_times(&self) -> CycleTimes<'_> {
-        self.optimiser.cycle_times(self.plans)
+        self.settings.cycle_times(self.plans)
     }
 
     /// Time that changes save together, in s; `None` if it is less than a millisecond, or if they

@@ -38,8 +38,11 @@ mod elbow_chain;
 mod elbows;
 mod freedom;
 mod optimiser;
+mod results;
+mod search_settings;
 mod speeds;
 
 pub use change::{Change, ChangeKind};
 pub use freedom::Freedom;
-pub use optimiser::{Advice, AdviceRow, Optimiser, Optimum};
+pub use optimiser::Optimiser;
+pub use results::{Advice, AdviceRow, Optimum};

@@ -14,94 +14,48 @@ use iiwa_program::{Motion, Program};
 use iiwa_traj::{PlanError, TimingError, Trajectory};
 
 use crate::{
-    change::Change, change_search::ChangeSearch, cycle_time::CycleTimes,
-    elbow_chain::elbows_together, freedom::Freedom,
+    change::Change,
+    change_search::{ChangeSearch, Rule},
+    elbow_chain::elbows_together,
+    freedom::Freedom,
+    results::{Advice, Optimum},
+    search_settings::SearchSettings,
 };
-
-/// Changes of a program that save time.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct Advice {
-    /// Cycle time of the program as it is, in s.
-    pub cycle_time_s: f64,
-    /// Changes, the largest saving first.
-    pub rows: Vec<AdviceRow>,
-    /// Program with all changes.
-    pub program: Program,
-    /// Its cycle time, in s.
-    pub changed_cycle_time_s: f64,
-}
-
-/// A change, and the time that it saves.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct AdviceRow {
-    /// The change.
-    pub change: Change,
-    /// Time that the change saves alone, in s.
-    pub saved_s: f64,
-    /// Time that it saves after all changes before it, in s.
-    pub saved_on_top_s: f64,
-}
-
-/// The fastest version of a program that a search has found: a local optimum.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct Optimum {
-    /// Cycle time of the program as it is, in s.
-    pub cycle_time_s: f64,
-    /// The changed program; without changes, the program itself.
-    pub program: Program,
-    /// Its cycle time, in s.
-    pub changed_cycle_time_s: f64,
-    /// Changes that lead from the program to the changed one, in the order of the motions.
-    pub changes: Vec<Change>,
-    /// Number of plans that were compared.
-    pub plans: u64,
-    /// `false` if the budget ended the search before it had tried all changes again.
-    pub is_complete: bool,
-}
 
 /// Searches for changes that make programs faster on one robot.
 #[derive(Clone, Debug)]
 pub struct Optimiser {
-    robot: Robot,
-    options: PlanOptions,
-    freedom: Freedom,
-    max_blend_mm: f64,
+    settings: SearchSettings,
     budget: u64,
-    plans: Arc<AtomicU64>,
-    stop: Arc<AtomicBool>,
 }
-
-/// Rule that the trajectory of a changed program has to satisfy.
-pub(crate) type Rule<'a> = Option<&'a (dyn Fn(&Trajectory) -> bool + Sync)>;
 
 impl Optimiser {
     /// Creates an optimiser for a robot, for changes of all kinds and blends of up to 50 mm.
     #[must_use]
     pub fn new(robot: Robot, options: PlanOptions) -> Self {
-        Self {
+        let settings = SearchSettings {
             robot,
             options,
             freedom: Freedom::ALL,
             max_blend_mm: 50.0,
-            budget: 50_000,
             plans: Arc::default(),
             stop: Arc::default(),
-        }
+        };
+        Self { settings, budget: 50_000 }
     }
 
     /// Sets the kinds of changes.
     #[must_use]
-    pub fn with_freedom(self, freedom: Freedom) -> Self {
-        Self { freedom, ..self }
+    pub fn with_freedom(mut self, freedom: Freedom) -> Self {
+        self.settings.freedom = freedom;
+        self
     }
 
     /// Sets the largest radius of blends, in mm.
     #[must_use]
-    pub fn with_max_blend_mm(self, max_blend_mm: f64) -> Self {
-        Self { max_blend_mm, ..self }
+    pub fn with_max_blend_mm(mut self, max_blend_mm: f64) -> Self {
+        self.settings.max_blend_mm = max_blend_mm;
+        self
     }
 
     /// Sets the number of plans after which [`optimise`](Self::optimise) begins no further round of
@@ -113,14 +67,15 @@ impl Optimiser {
 
     /// Ends a search soon after `stop` is set.
     #[must_use]
-    pub fn interrupted_by(self, stop: Arc<AtomicBool>) -> Self {
-        Self { stop, ..self }
+    pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.settings.stop = stop;
+        self
     }
 
     /// Number of plans of this optimiser and its clones so far, also while a search runs.
     #[must_use]
     pub fn plan_count(&self) -> Arc<AtomicU64> {
-        Arc::clone(&self.plans)
+        Arc::clone(&self.settings.plans)
     }
 
     /// Plans a whole program.
@@ -129,7 +84,7 @@ impl Optimiser {
     ///
     /// If the program cannot be planned.
     pub fn plan(&self, program: &Program) -> Result<Trajectory, PlanError> {
-        self.cycle_times(&AtomicU64::new(0)).plan(program)
+        self.settings.cycle_times(&AtomicU64::new(0)).plan(program)
     }
 
     /// Searches for changes of `program` that save at least a millisecond each.
@@ -157,10 +112,11 @@ impl Optimiser {
 
     fn advice(&self, program: &Program, rule: Rule<'_>) -> Result<Advice, PlanError> {
         let plans = AtomicU64::new(0);
-        let mut times = self.cycle_times(&plans);
+        let mut times = self.settings.cycle_times(&plans);
         let version = times.version(program)?;
         let cycle_time_s = version.cycle_time_s;
-        let search = ChangeSearch { optimiser: self, version: &version, rule, plans: &plans };
+        let search =
+            ChangeSearch { settings: &self.settings, version: &version, rule, plans: &plans };
         let (rows, changed) = search.round(&mut times, None);
         self.check_stop()?;
         let changed = changed.unwrap_or(version);
@@ -198,12 +154,13 @@ impl Optimiser {
 
     fn optimum(&self, program: &Program, rule: Rule<'_>) -> Result<Optimum, PlanError> {
         let plans = AtomicU64::new(0);
-        let mut times = self.cycle_times(&plans);
+        let mut times = self.settings.cycle_times(&plans);
         let mut version = times.version(program)?;
         let unchanged = version.clone();
         let mut changes = Vec::new();
-        if self.freedom.elbows {
-            let search = ChangeSearch { optimiser: self, version: &version, rule, plans: &plans };
+        if self.settings.freedom.elbows {
+            let search =
+                ChangeSearch { settings: &self.settings, version: &version, rule, plans: &plans };
             if let Some((turns, changed)) = elbows_together(&search, &mut times) {
                 version = changed;
                 changes = turns;
@@ -214,7 +171,8 @@ impl Optimiser {
         let mut is_complete = false;
         while !is_complete && plans.load(Relaxed) < self.budget {
             self.check_stop()?;
-            let search = ChangeSearch { optimiser: self, version: &version, rule, plans: &plans };
+            let search =
+                ChangeSearch { settings: &self.settings, version: &version, rule, plans: &plans };
             let (rows, changed) = search.round(&mut times, tried.as_deref());
             is_complete = rows.is_empty() && tried.is_none();
             let made: Vec<_> = rows.into_iter().map(|row| row.change).collect();
@@ -225,7 +183,8 @@ impl Optimiser {
         self.check_stop()?;
         let changes = merged(changes);
         // Without the changes that later ones have undone.
-        let search = ChangeSearch { optimiser: self, version: &unchanged, rule, plans: &plans };
+        let search =
+            ChangeSearch { settings: &self.settings, version: &unchanged, rule, plans: &plans };
         let version = search.with_all(&mut times, &changes);
         self.check_stop()?;
         let (changes, version) = match version {
@@ -244,20 +203,7 @@ impl Optimiser {
 
     /// To the search, a plan that was interrupted is a change that is not possible.
     fn check_stop(&self) -> Result<(), PlanError> {
-        if self.stop.load(Relaxed) { Err(TimingError::Interrupted.into()) } else { Ok(()) }
-    }
-
-    pub(crate) fn freedom(&self) -> Freedom {
-        self.freedom
-    }
-
-    pub(crate) fn max_blend_mm(&self) -> f64 {
-        self.max_blend_mm
-    }
-
-    /// Returns a planner that counts its plans in `plans`, too.
-    pub(crate) fn cycle_times<'a>(&'a self, plans: &'a AtomicU64) -> CycleTimes<'a> {
-        CycleTimes::new(&self.robot, &self.options, &self.stop, [plans, &self.plans])
+        if self.settings.stop.load(Relaxed) { Err(TimingError::Interrupted.into()) } else { Ok(()) }
     }
 }
 
