@@ -73,7 +73,6 @@ pub(crate) fn set_default_robot(name: String) {
 }
 
 /// Returns the robot that the settings name: a built-in model, or the path of a profile.
-#[cfg(feature = "sunrise")]
 pub(crate) fn usual_robot() -> Option<&'static str> {
     ROBOT.get().map(String::as_str)
 }
