@@ -59,6 +59,7 @@ impl SpoolTarget {
     }
 
     /// Appends a record.
+    #[cfg(feature = "kafka")]
     pub(crate) fn append(&self, record: &[u8]) {
         let appended = self.spool.append(record);
         self.report(appended);
