@@ -1,14 +1,12 @@
 //! `iiwasim advise` as a process: its rows, the changed program, scenes and wrong usage.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by it")]
-
 use std::fs;
 
 use predicates::{prelude::PredicateBooleanExt, str::contains};
 use serde_json::{Value, json};
-use tempfile::{TempDir, tempdir};
+use tempfile::tempdir;
 
-use crate::helpers::{figures, fixture};
+use crate::helpers::{cycle_time, figures, fixture, program};
 use crate::run::iiwasim;
 
 const FIXTURES: [&str; 4] =
@@ -16,12 +14,6 @@ const FIXTURES: [&str; 4] =
 
 fn path(name: &str) -> String {
     fixture(name).display().to_string()
-}
-
-/// Returns the cycle time that `iiwasim plan` prints.
-fn cycle_time(folder: &TempDir, program: &str) -> f64 {
-    let planned = figures(iiwasim(folder, &["plan", program, "--no-output", "--json"]));
-    planned["cycle_time_s"].as_f64().unwrap()
 }
 
 #[test]
@@ -122,12 +114,8 @@ fn wrong_usage_is_explained() {
 #[test]
 fn a_program_of_waits_has_no_rows() {
     let folder = tempdir().unwrap();
-    let program = json!({
-        "version": 1,
-        "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
-        "motions": [{ "type": "wait", "seconds": 1.0 }]
-    });
-    fs::write(folder.path().join("waits.json"), program.to_string()).unwrap();
+    let waits = program(r#"{ "type": "wait", "seconds": 1.0 }"#);
+    fs::write(folder.path().join("waits.json"), waits).unwrap();
     iiwasim(&folder, &["advise", "waits.json"])
         .success()
         .stdout(contains("none of the changes that were tried"));

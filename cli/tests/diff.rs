@@ -13,7 +13,7 @@ use predicates::{
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
-use crate::helpers::fixture;
+use crate::helpers::{cycle_time, fixture};
 use crate::run::iiwasim;
 
 const FIXTURES: [&str; 5] = [
@@ -44,13 +44,6 @@ fn store(folder: &TempDir, name: &str, program: &Value) {
 fn answer(folder: &TempDir, arguments: &[&str]) -> Value {
     let output = iiwasim(folder, &[&["diff"], arguments, &["--json"]].concat()).success();
     serde_json::from_slice(&output.get_output().stdout).unwrap()
-}
-
-/// Returns the cycle time of a program.
-fn cycle_time(folder: &TempDir, program: &str) -> f64 {
-    let planned = iiwasim(folder, &["plan", program, "--no-output", "--json"]).success();
-    let figures: Value = serde_json::from_slice(&planned.get_output().stdout).unwrap();
-    figures["cycle_time_s"].as_f64().unwrap()
 }
 
 #[test]

@@ -16,6 +16,13 @@ pub(crate) fn figures(assert: Assert) -> serde_json::Value {
     serde_json::from_slice(&assert.success().get_output().stdout).unwrap()
 }
 
+/// Returns the cycle time of a program, as planned in a folder.
+#[expect(clippy::unwrap_used, reason = "a test fails by it")]
+pub(crate) fn cycle_time(folder: &TempDir, program: &str) -> f64 {
+    let planned = figures(plan(folder, Path::new(program), &["--no-output", "--json"]));
+    planned["cycle_time_s"].as_f64().unwrap()
+}
+
 pub(crate) fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
 }

@@ -6,19 +6,13 @@ use std::fs;
 
 use predicates::{prelude::PredicateBooleanExt, str::contains};
 use serde_json::{Value, json};
-use tempfile::{TempDir, tempdir};
+use tempfile::tempdir;
 
-use crate::helpers::{figures, fixture};
+use crate::helpers::{cycle_time, figures, fixture, program};
 use crate::run::iiwasim;
 
 fn path(name: &str) -> String {
     fixture(name).display().to_string()
-}
-
-/// Returns the cycle time that `iiwasim plan` prints.
-fn cycle_time(folder: &TempDir, program: &str) -> f64 {
-    let planned = figures(iiwasim(folder, &["plan", program, "--no-output", "--json"]));
-    planned["cycle_time_s"].as_f64().unwrap()
 }
 
 fn seconds(report: &Value, key: &str) -> f64 {
@@ -95,12 +89,8 @@ fn clearances_are_kept_in_a_scene() {
 #[test]
 fn a_program_of_waits_is_written_as_it_is() {
     let folder = tempdir().unwrap();
-    let program = json!({
-        "version": 1,
-        "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
-        "motions": [{ "type": "wait", "seconds": 1.0 }]
-    });
-    fs::write(folder.path().join("waits.json"), program.to_string()).unwrap();
+    let waits = program(r#"{ "type": "wait", "seconds": 1.0 }"#);
+    fs::write(folder.path().join("waits.json"), waits).unwrap();
     let arguments = ["optimise", "waits.json", "--free", "e1,blends,speeds", "-o", "out.json"];
     iiwasim(&folder, &arguments).success().stdout(contains("nothing was changed"));
     assert_eq!(cycle_time(&folder, "out.json"), 1.0);
