@@ -52,6 +52,7 @@ mod shapes;
 mod singularity;
 mod spline_speed;
 mod taylor;
+mod tool_rates;
 mod trig;
 mod unreachable;
 #[cfg(feature = "urdf")]
@@ -80,6 +81,7 @@ pub use shapes::{Along, Shape, Solid};
 pub use singularity::{SingularPart, Singularity};
 pub use spline_speed::SplineSpeed;
 pub use taylor::Taylor;
+pub use tool_rates::ToolRates;
 pub use unreachable::Unreachable;
 #[cfg(feature = "urdf")]
 pub use urdf::{

@@ -64,7 +64,7 @@ pub(crate) fn steps(
         let Some(leg) = legs.get(motion.index()) else { continue };
         let corner = corners.at_end_of(motion.index())?;
         let before = steps.steps.len();
-        steps.push_leg(motion, &leg, remainder.as_ref(), corner.as_ref())?;
+        steps.push_leg(motion, &leg, remainder.as_ref(), corner.as_ref());
         match &corner {
             Some(RoundedCorner::InJoints(corner)) => {
                 steps.push_blend([motion, corners.next(motion)], corner, options.blend_shape)?;
@@ -217,7 +217,7 @@ impl Builder<'_> {
         leg: &Leg,
         before: Option<&MotionRemainder>,
         after: Option<&RoundedCorner>,
-    ) -> Result<(), Fault> {
+    ) {
         let [from_rad, to_rad] = leg.ends_rad;
         if leg.paths.is_empty() {
             let from_rad = match before {
@@ -233,7 +233,7 @@ impl Builder<'_> {
                 None => to_rad,
             };
             self.push_line(motion, from_rad, to_rad);
-            return Ok(());
+            return;
         }
         let last = leg.paths.len() - 1;
         for (index, path) in leg.paths.iter().enumerate() {
@@ -246,7 +246,7 @@ impl Builder<'_> {
                 Some(RoundedCorner::Curved(corner, _)) if index == last => 1.0 - corner.shares[0],
                 _ => 1.0,
             };
-            self.push_path(motion, path, [from, to])?;
+            self.push_path(motion, path, [from, to]);
             if path.stops {
                 let next = leg.paths.get(index + 1).map(|next| next.segment);
                 let number = path.segment + 1;
@@ -258,34 +258,23 @@ impl Builder<'_> {
                 self.push(Step::Corner { motion, place: Some(place) });
             }
         }
-        Ok(())
     }
 
     /// Adds the part `range` of a TCP path, in its parameter s from 0 to 1.
-    fn push_path(
-        &mut self,
-        motion: MotionIndex,
-        path: &TcpPath,
-        range: [f64; 2],
-    ) -> Result<(), Fault> {
+    fn push_path(&mut self, motion: MotionIndex, path: &TcpPath, range: [f64; 2]) {
         let [from, to] = range;
         if (to - from) * path.rate_rad <= NO_MOTION_RAD {
-            return Ok(());
+            return;
         }
         let sigma = Sigma::even(path.rate_rad * (to - from));
         let image = if range == [0.0, 1.0] {
             JointSpline::clone(&path.image)
         } else {
             let curve = CurveInterval { range, curve: Arc::clone(&path.curve) };
-            JointSpline::of(Arc::new(curve)).map_err(|error| Fault::Cartesian {
-                motion: Some(motion),
-                key: "frame",
-                fault: Box::new(path.curve.fault(error)),
-            })?
+            path.image.part(range, Arc::new(curve))
         };
         let segment = Arc::new(image.with_sigma(sigma));
         self.push(Step::Move { motion, segment, blend: None, limits: path.limits.clone() });
-        Ok(())
     }
 
     /// Checks a blend with a TCP path, whose curve in joint space is `image`, for joints outside

@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use iiwa_kin::{Joint, Joints, Limits, Taylor};
+use iiwa_kin::{Joint, Joints, Limits, Number, Taylor, vector::norm};
 
 use crate::{
-    cartesian::joint_curve::{CurveFault, JointCurve, MovingJoints},
+    cartesian::{
+        joint_curve::{CurveFault, JointCurve, MovingJoints, ToolMotion},
+        tcp_course::tool_way_of,
+    },
     segment::{Derivatives, Segment, ToolWay},
 };
 
@@ -85,18 +88,77 @@ impl Sigma {
 impl JointSpline {
     /// Approximates the image of `curve`.
     pub(crate) fn of(curve: Arc<dyn JointCurve>) -> Result<Self, CurveFaultAt> {
+        Self::between(curve, &[None, None])
+    }
+
+    /// Approximates the image of `curve`, a blend between two curves. It begins and ends with their
+    /// position, first and second derivative, which differ from its own by the tolerance of their
+    /// polynomials.
+    pub(crate) fn of_blend(
+        curve: Arc<dyn JointCurve>,
+        neighbours: [&dyn JointCurve; 2],
+    ) -> Result<Self, CurveFaultAt> {
+        let [a, b] = neighbours;
+        let at = |curve: &dyn JointCurve, s| {
+            curve.at(Taylor::variable(s)).map_err(|fault| CurveFaultAt { s, fault })
+        };
+        Self::between(curve, &[Some(at(a, 0.0)?), Some(at(b, 1.0)?)])
+    }
+
+    fn between(
+        curve: Arc<dyn JointCurve>,
+        neighbours: &[Option<MovingJoints>; 2],
+    ) -> Result<Self, CurveFaultAt> {
         let mut spline =
             Self { breaks: vec![0.0], pieces: Vec::new(), sigma: Sigma::even(1.0), curve };
         let at = |s| spline.joints(s);
-        let ends = [at(0.0)?, at(1.0)?];
+        let mut ends = [at(0.0)?, at(1.0)?];
+        for (end, neighbour) in ends.iter_mut().zip(neighbours) {
+            for (joint, other) in end.iter_mut().zip(neighbour.iter().flatten()) {
+                joint.0[..3].copy_from_slice(&other.0[..3]);
+            }
+        }
         let middle = at(0.5)?;
-        spline.halve([0.0, 1.0], &ends, &middle, 0)?;
+        // The ends of a neighbour differ from those of the curve by up to the tolerance.
+        let is_own = neighbours.iter().all(Option::is_none);
+        let tolerance_rad = if is_own { TOLERANCE_RAD } else { 2.0 * TOLERANCE_RAD };
+        spline.halve([0.0, 1.0], &ends, &middle, tolerance_rad, 0)?;
         Ok(spline)
     }
 
     /// Returns the curve with another path parameter.
     pub(crate) fn with_sigma(self, sigma: Sigma) -> Self {
         Self { sigma, ..self }
+    }
+
+    /// Returns the part of the curve between two parameters, with these polynomials. `curve` is
+    /// the source of its TCP motion.
+    pub(crate) fn part(&self, [from, to]: [f64; 2], curve: Arc<dyn JointCurve>) -> Self {
+        let [mut first, mut last] = [self.index(from), self.index(to)];
+        let ends = |index: usize| [self.breaks[index], self.breaks[index + 1]];
+        let share = |index: usize, s: f64| {
+            let [start, end] = ends(index);
+            (s - start) / (end - start)
+        };
+        // A sliver of a piece is left to its neighbour, whose polynomials go on there.
+        if first < last && share(first, from) > 1.0 - SLIVER {
+            first += 1;
+        }
+        if first < last && share(last, to) < SLIVER {
+            last -= 1;
+        }
+        let mut part =
+            Self { breaks: vec![0.0], pieces: Vec::new(), sigma: Sigma::even(1.0), curve };
+        for index in first..=last {
+            let start = if index == first { share(index, from) } else { 0.0 };
+            let end = if index == last { share(index, to) } else { 1.0 };
+            part.pieces.push(within(&self.pieces[index], [start, end]));
+            part.breaks.push((ends(index)[1] - from) / (to - from));
+        }
+        if let Some(end) = part.breaks.last_mut() {
+            *end = 1.0;
+        }
+        part
     }
 
     fn joints(&self, s: f64) -> Result<MovingJoints, CurveFaultAt> {
@@ -109,6 +171,7 @@ impl JointSpline {
         [from, to]: [f64; 2],
         ends: &[MovingJoints; 2],
         middle: &MovingJoints,
+        tolerance_rad: f64,
         halvings: u32,
     ) -> Result<(), CurveFaultAt> {
         let length = to - from;
@@ -117,7 +180,7 @@ impl JointSpline {
         let [quarter, three] = [quarter?, three?];
         let is_near = |share: f64, joints: &MovingJoints| {
             let q = value(&piece, share);
-            std::iter::zip(q, joints).all(|(q, joint)| (q - joint.0[0]).abs() <= TOLERANCE_RAD)
+            std::iter::zip(q, joints).all(|(q, joint)| (q - joint.0[0]).abs() <= tolerance_rad)
         };
         if is_near(0.25, &quarter) && is_near(0.5, middle) && is_near(0.75, &three) {
             self.pieces.push(piece);
@@ -129,13 +192,18 @@ impl JointSpline {
             return Err(CurveFaultAt { s: half, fault: CurveFault::Abrupt });
         }
         // The quarters are the middles of the halves: two evaluations per halving suffice.
-        self.halve([from, half], &[ends[0], *middle], &quarter, halvings + 1)?;
-        self.halve([half, to], &[*middle, ends[1]], &three, halvings + 1)
+        self.halve([from, half], &[ends[0], *middle], &quarter, tolerance_rad, halvings + 1)?;
+        self.halve([half, to], &[*middle, ends[1]], &three, tolerance_rad, halvings + 1)
+    }
+
+    /// Returns the index of the piece at `s`.
+    fn index(&self, s: f64) -> usize {
+        self.breaks[1..self.pieces.len()].partition_point(|end| *end <= s)
     }
 
     /// Returns the piece at `s`, the share of the piece, and its length in s.
     fn piece(&self, s: f64) -> (&PieceCoefficients, f64, f64) {
-        let index = self.breaks[1..self.pieces.len()].partition_point(|end| *end <= s);
+        let index = self.index(s);
         let [from, to] = [self.breaks[index], self.breaks[index + 1]];
         (&self.pieces[index], (s - from) / (to - from), to - from)
     }
@@ -183,9 +251,7 @@ impl JointSpline {
         let ends = self.breaks.windows(2);
         let lengths = ends.map(|ends| {
             [0.0, 0.5, 1.0]
-                .map(|share| {
-                    iiwa_kin::vector::norm(&self.at(ends[0] + share * (ends[1] - ends[0])).dq)
-                })
+                .map(|share| norm(&Segment::at(self, ends[0] + share * (ends[1] - ends[0])).dq))
                 .into_iter()
                 .zip([1.0, 4.0, 1.0])
                 .map(|(rate, weight)| rate * weight / 6.0)
@@ -198,6 +264,31 @@ impl JointSpline {
 
 /// Tolerance of joint ranges, in rad: as in [`Limits::check`].
 const ROUNDING_RAD: f64 = 5e-9;
+
+/// Share of a piece that is left to its neighbour at the end of a part of a curve: the polynomials
+/// join with three derivatives, so that they differ there by less than rounding.
+const SLIVER: f64 = 1e-4;
+
+/// The polynomials as a curve whose values are power series.
+impl JointCurve for JointSpline {
+    fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
+        let (piece, share, length) = self.piece(s.value());
+        let mut share_series = s * (1.0 / length);
+        share_series.0[0] = share;
+        let [rest @ .., last] = piece;
+        Ok(rest.iter().rev().fold(last.map(Taylor::constant), |q, power| {
+            std::array::from_fn(|j| q[j] * share_series + Taylor::constant(power[j]))
+        }))
+    }
+
+    fn tool_motion(&self, s: f64) -> ToolMotion<'_> {
+        self.curve.tool_motion(s)
+    }
+
+    fn is_even(&self) -> bool {
+        self.curve.is_even()
+    }
+}
 
 impl Segment for JointSpline {
     fn at(&self, s: f64) -> Derivatives {
@@ -248,7 +339,13 @@ impl Segment for JointSpline {
     }
 
     fn tool_way(&self, s: f64) -> ToolWay {
-        self.curve.tool_way(s)
+        match self.curve.tool_motion(s) {
+            ToolMotion::Known(way) => way,
+            ToolMotion::OfJoints(robot, tcp_m) => {
+                let Derivatives { q, dq, ddq, dddq } = Segment::at(self, s);
+                tool_way_of(&robot.tool_rates(&tcp_m, &q, &[dq, ddq, dddq]))
+            }
+        }
     }
 
     fn breaks(&self) -> &[f64] {
@@ -294,6 +391,29 @@ const HERMITE: [[f64; 4]; 4] = [
     [-20.0, 10.0, -4.0, 1.0],
 ];
 
+/// Returns the polynomials of a piece between two of its shares.
+fn within(piece: &PieceCoefficients, [from, to]: [f64; 2]) -> PieceCoefficients {
+    if [from, to] == [0.0, 1.0] {
+        return *piece;
+    }
+    let mut moved = *piece;
+    // Taylor shift by `from`: synthetic division, once per power.
+    for k in 0..7 {
+        for i in (k..7).rev() {
+            let next = moved[i + 1];
+            for (coefficient, next) in moved[i].iter_mut().zip(next) {
+                *coefficient += from * next;
+            }
+        }
+    }
+    let mut scale = 1.0;
+    for power in &mut moved {
+        *power = power.map(|coefficient| scale * coefficient);
+        scale *= to - from;
+    }
+    moved
+}
+
 fn value(piece: &PieceCoefficients, share: f64) -> Joints {
     let [rest @ .., last] = piece;
     rest.iter().rev().fold(*last, |q, power| std::array::from_fn(|j| q[j] * share + power[j]))
@@ -324,4 +444,68 @@ fn split(control: &[f64; 8]) -> [[f64; 8]; 2] {
         }
     }
     [left, right]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A curve of sines, which are not polynomials.
+    #[derive(Debug)]
+    struct Sines;
+
+    impl JointCurve for Sines {
+        fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault> {
+            Ok(std::array::from_fn(|j| {
+                let [rate, phase] = [1.0 + j as f64, 0.3 * j as f64];
+                (s * rate + phase).sin_cos().0
+            }))
+        }
+
+        fn tool_motion(&self, _: f64) -> ToolMotion<'_> {
+            ToolMotion::Known(ToolWay::default())
+        }
+
+        fn is_even(&self) -> bool {
+            true
+        }
+    }
+
+    /// Ends of parts: within pieces, at a break, and beside one.
+    #[test]
+    fn a_part_is_the_curve_between_its_ends() {
+        let curve = Arc::new(Sines);
+        let whole = JointSpline::of(Arc::clone(&curve) as Arc<dyn JointCurve>).unwrap();
+        assert!(whole.pieces.len() >= 8, "{}", whole.pieces.len());
+        let near = whole.breaks[3];
+        for [from, to] in [
+            [0.0, 0.77],
+            [near, 1.0],
+            [near - 1e-13, 0.9],
+            [near - 1e-11, near + 1e-3],
+            [0.05, near + 1e-11],
+            [0.1, near + 1e-13],
+            [0.4001, 0.4004],
+        ] {
+            let part = whole.part([from, to], Arc::clone(&curve) as Arc<dyn JointCurve>);
+            assert!(part.breaks.windows(2).all(|pair| pair[1] - pair[0] > 1e-7), "{part:?}");
+            for i in 0..=40 {
+                let share = f64::from(i) / 40.0;
+                let s = from + share * (to - from);
+                let expected = JointCurve::at(&whole, Taylor::variable(s)).unwrap();
+                let actual = JointCurve::at(&part, Taylor::variable(share)).unwrap();
+                let [by_segment, scale] = [Segment::at(&part, share), Segment::at(&whole, s)];
+                for j in 0..7 {
+                    let length = to - from;
+                    for (k, power) in [1.0, length, length * length].into_iter().enumerate() {
+                        let error = actual[j].0[k] - power * expected[j].0[k];
+                        assert!(error.abs() < 1e-12 + 1e-9 * power, "{from} {to} {j} {k}: {error}");
+                    }
+                    assert!((by_segment.q[j] - scale.q[j]).abs() < 1e-12);
+                    let rate = (to - from) * scale.dq[j];
+                    assert!((by_segment.dq[j] - rate).abs() < 1e-12 + 1e-9 * (to - from));
+                }
+            }
+        }
+    }
 }

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use iiwa_kin::{Joints, Pose, Robot, Taylor};
+use iiwa_kin::{Joints, Pose, Robot};
 
 use crate::{
-    cartesian::tcp_course::tool_way,
+    cartesian::tcp_course::tool_way_of,
     segment::{Derivatives, Segment, ToolWay},
 };
 
@@ -47,9 +47,9 @@ impl Segment for SupervisedSegment {
 
     fn tool_way(&self, s: f64) -> ToolWay {
         let Derivatives { q, dq, ddq, dddq } = self.at(s);
-        let joints = std::array::from_fn(|j| Taylor([q[j], dq[j], ddq[j] / 2.0, dddq[j] / 6.0]));
-        let flange = self.robot.flange_moving(&joints);
-        let [flange, tcp] = [tool_way(&flange), tool_way(&flange.then_fixed(&self.tcp))];
+        let rates = [dq, ddq, dddq];
+        let [flange, tcp] = [[0.0; 3], self.tcp.position_m]
+            .map(|point_m| tool_way_of(&self.robot.tool_rates(&point_m, &q, &rates)));
         if flange.way_m[0] > tcp.way_m[0] { flange } else { tcp }
     }
 

@@ -66,8 +66,8 @@ const BEFORE: [(&str, [u64; 2], [u64; 2]); 4] = [
     ),
     (
         "pick-and-place",
-        [0xc8cd_f27c_e952_49ee, 0x09bd_d95c_d651_b85f],
-        [0x2ec2_2696_157d_8da2, 0x72b8_c1e0_9c32_169e],
+        [0x4081_5e48_d9be_4e59, 0xf437_9639_4974_c9c3],
+        [0xe931_dfac_8517_977a, 0xce43_83bf_c2b6_8bb3],
     ),
     (
         "ten-motions",

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use iiwa_kin::{
-    Joints, Pose, Robot, Taylor,
+    Joints, Robot, Taylor,
     rotation::{norm, scaled, sub},
     vector,
 };
@@ -64,7 +64,7 @@ impl CurvedCorner {
         };
         let ranges = [[1.0 - shares[0], 1.0], [0.0, shares[1]]];
         let paths = next_to_corner(legs);
-        let (gamma_rad, curve): (f64, Arc<dyn JointCurve>) = match paths {
+        let (gamma_rad, image) = match paths {
             [Some(a), Some(b)] if a.curve.joins_in_space(&b.curve) => {
                 let position_by_s = |path: &TcpPath, s: f64| {
                     let pose = path.curve.course.at(Taylor::variable(s));
@@ -93,12 +93,16 @@ impl CurvedCorner {
                     |path: &TcpPath, range| CurveInterval { range, curve: Arc::clone(&path.curve) };
                 let parts = [part(a, ranges[0]), part(b, ranges[1])];
                 let derivative_change = sub(&out, &into);
-                (gamma_rad, Arc::new(TcpBlend { parts, kappa, derivative_change }))
+                let blend = Arc::new(TcpBlend { parts, kappa, derivative_change });
+                let part =
+                    |path: &TcpPath, range| CurveInterval { range, curve: Arc::clone(&path.image) };
+                let sides = [part(a, ranges[0]), part(b, ranges[1])];
+                (gamma_rad, JointSpline::of_blend(blend, [&sides[0], &sides[1]])?)
             }
             _ => {
                 let parts = [0, 1].map(|side| {
                     let curve: Arc<dyn JointCurve> = match paths[side] {
-                        Some(path) => Arc::clone(&path.curve) as Arc<dyn JointCurve>,
+                        Some(path) => Arc::clone(&path.image) as Arc<dyn JointCurve>,
                         None => Arc::new(Line::new(legs[side].ends_rad[0], legs[side].ends_rad[1])),
                     };
                     CurveInterval { range: ranges[side], curve }
@@ -115,15 +119,15 @@ impl CurvedCorner {
                 let kappa = options.blend_shape.kappa(robot, gamma_rad.to_degrees());
                 // The TCP of the second motion or, if that is not a TCP path, of the first.
                 let tool = paths.into_iter().flatten().next_back();
-                let tcp = tool.map_or(Pose::IDENTITY, |path| path.curve.flange.inverse());
+                let tcp_m = tool.map_or([0.0; 3], |path| path.curve.flange.inverse().position_m);
                 let blend = JointBlend {
                     robot: Arc::new(robot.clone()),
-                    tcp,
+                    tcp_m,
                     parts,
                     kappa,
                     derivative_change: vector::sub(&out, &into),
                 };
-                (gamma_rad, Arc::new(blend))
+                (gamma_rad, JointSpline::of(Arc::new(blend))?)
             }
         };
         // dsigma/ds of each replaced part, with s from 0 to 1 along the part, as in the blend.
@@ -132,7 +136,7 @@ impl CurvedCorner {
             let whole_rad = paths[side].map(|path| path.rate_rad);
             shares[side] * whole_rad.unwrap_or_else(|| vector::distance(from, to))
         });
-        let image = JointSpline::of(curve)?.with_sigma(Sigma::of_blend(sigma_rates_rad));
+        let image = image.with_sigma(Sigma::of_blend(sigma_rates_rad));
         // The limits of the second motion apply in the blend.
         let limits = paths[1].and_then(|path| path.limits.clone());
         Ok(Some(Self { shares, image, gamma_deg: gamma_rad.to_degrees(), limits, shortened }))

@@ -37,10 +37,18 @@ pub(crate) trait JointCurve: fmt::Debug + Send + Sync {
     fn at(&self, s: Taylor) -> Result<MovingJoints, CurveFault>;
 
     /// Motion of the TCP, for TCP limits.
-    fn tool_way(&self, s: f64) -> ToolWay;
+    fn tool_motion(&self, s: f64) -> ToolMotion<'_>;
 
-    /// True if [`tool_way`](Self::tool_way) is constant.
+    /// True if the [motion of the TCP](Self::tool_motion) is constant.
     fn is_even(&self) -> bool;
+}
+
+/// Motion of the TCP along a curve.
+pub(crate) enum ToolMotion<'a> {
+    /// Path length and angle, known without the joints.
+    Known(ToolWay),
+    /// The motion of a point in the flange frame, in m; it follows from the joints.
+    OfJoints(&'a Robot, Vec3<f64>),
 }
 
 /// A TCP path.
@@ -113,29 +121,19 @@ impl JointCurve for TcpCurve {
         Ok(joints)
     }
 
-    fn tool_way(&self, s: f64) -> ToolWay {
+    fn tool_motion(&self, s: f64) -> ToolMotion<'_> {
         if self.wrist.is_some() {
-            // A curve that the robot cannot follow was refused when its image was computed.
-            let joints = self.at(Taylor::variable(s));
-            return joints.map_or_else(
-                |_| ToolWay::default(),
-                |joints| tool_way_of(&self.robot, &self.flange.inverse(), &joints),
-            );
+            return ToolMotion::OfJoints(&self.robot, self.flange.inverse().position_m);
         }
-        match self.course.even_rates() {
+        ToolMotion::Known(match self.course.even_rates() {
             Some([way, turn]) => ToolWay { way_m: [way, 0.0, 0.0], turn_rad: [turn, 0.0, 0.0] },
             None => tool_way(&self.course.at(Taylor::variable(s))),
-        }
+        })
     }
 
     fn is_even(&self) -> bool {
         self.wrist.is_none() && self.course.even_rates().is_some()
     }
-}
-
-/// Motion of a TCP, which is given in the flange frame, for moving joints.
-pub(crate) fn tool_way_of(robot: &Robot, tcp: &Pose, joints: &MovingJoints) -> ToolWay {
-    tool_way(&robot.flange_moving(joints).then_fixed(tcp))
 }
 
 /// Straight line in joint space.
@@ -146,8 +144,8 @@ impl JointCurve for Line {
         Ok(std::array::from_fn(|j| Taylor::constant(from[j]) + s * direction[j]))
     }
 
-    fn tool_way(&self, _: f64) -> ToolWay {
-        ToolWay::default()
+    fn tool_motion(&self, _: f64) -> ToolMotion<'_> {
+        ToolMotion::Known(ToolWay::default())
     }
 
     fn is_even(&self) -> bool {
@@ -174,13 +172,16 @@ impl<C: JointCurve + ?Sized> JointCurve for CurveInterval<C> {
         self.curve.at(self.inner(s))
     }
 
-    fn tool_way(&self, s: f64) -> ToolWay {
+    fn tool_motion(&self, s: f64) -> ToolMotion<'_> {
         let [from, to] = self.range;
-        let ToolWay { way_m, turn_rad } = self.curve.tool_way(from + s * (to - from));
         let scale = to - from;
+        let ToolWay { way_m, turn_rad } = match self.curve.tool_motion(from + s * scale) {
+            ToolMotion::Known(way) => way,
+            of_joints @ ToolMotion::OfJoints(..) => return of_joints,
+        };
         let powers = [scale, scale * scale, scale * scale * scale];
         let stretched = |rates: [f64; 3]| std::array::from_fn(|k| rates[k] * powers[k]);
-        ToolWay { way_m: stretched(way_m), turn_rad: stretched(turn_rad) }
+        ToolMotion::Known(ToolWay { way_m: stretched(way_m), turn_rad: stretched(turn_rad) })
     }
 
     fn is_even(&self) -> bool {
@@ -200,8 +201,8 @@ fn mixing(kappa: f64, s: Taylor) -> [Taylor; 2] {
 #[derive(Debug)]
 pub(crate) struct JointBlend {
     pub(crate) robot: Arc<Robot>,
-    /// TCP in the flange frame.
-    pub(crate) tcp: Pose,
+    /// Position of the TCP in the flange frame, in m.
+    pub(crate) tcp_m: Vec3<f64>,
     /// The last part of one curve, and the first part of the other.
     pub(crate) parts: [CurveInterval<dyn JointCurve>; 2],
     pub(crate) kappa: f64,
@@ -218,11 +219,8 @@ impl JointCurve for JointBlend {
         }))
     }
 
-    fn tool_way(&self, s: f64) -> ToolWay {
-        self.at(Taylor::variable(s)).map_or_else(
-            |_| ToolWay::default(),
-            |joints| tool_way_of(&self.robot, &self.tcp, &joints),
-        )
+    fn tool_motion(&self, _: f64) -> ToolMotion<'_> {
+        ToolMotion::OfJoints(&self.robot, self.tcp_m)
     }
 
     fn is_even(&self) -> bool {
@@ -265,8 +263,9 @@ impl JointCurve for TcpBlend {
         joints_of(robot, &tcp, flange, e1, *status)
     }
 
-    fn tool_way(&self, s: f64) -> ToolWay {
-        tool_way(&self.pose(Taylor::variable(s)).0)
+    fn tool_motion(&self, _: f64) -> ToolMotion<'_> {
+        let TcpCurve { robot, flange, .. } = &*self.parts[0].curve;
+        ToolMotion::OfJoints(robot, flange.inverse().position_m)
     }
 
     fn is_even(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Course of the TCP from one frame to another: position and orientation as functions of s.
 
 use iiwa_kin::{
-    MovingPose, Number, Pose, Taylor,
+    MovingPose, Number, Pose, Taylor, ToolRates,
     rotation::{
         Mat3, Vec3, constant, cross, dot, exp, log_or_half_turn, norm, product, scaled, sub,
         transposed,
@@ -360,6 +360,23 @@ pub(crate) fn tool_way(pose: &MovingPose) -> ToolWay {
         product(&pose.rotation.map(|row| row.map(derivative)), &transposed(&pose.rotation));
     let omega = [turning[2][1], turning[0][2], turning[1][0]];
     ToolWay { way_m: length(&rate), turn_rad: length(&omega) }
+}
+
+/// Path length and angle of a tool, from its rates by s.
+pub(crate) fn tool_way_of(rates: &ToolRates) -> ToolWay {
+    ToolWay { way_m: lengths(&rates.linear), turn_rad: lengths(&rates.angular) }
+}
+
+/// Length of a vector that is given with its first two derivatives, and the derivatives of the
+/// length; zeros for a vector of zero length.
+fn lengths([v, dv, ddv]: &[Vec3<f64>; 3]) -> [f64; 3] {
+    let square = dot(v, v);
+    if square <= NOTHING * NOTHING {
+        return [0.0; 3];
+    }
+    let length = square.sqrt();
+    let first = dot(v, dv) / length;
+    [length, first, (dot(dv, dv) + dot(v, ddv) - first * first) / length]
 }
 
 /// Derivative of a power series, whose last coefficient is lost.
