@@ -1,6 +1,6 @@
 //! Difference of two plans: their motions matched by targets, with the change of the path.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, ops::Range};
 
 use iiwa_log::{PlanRecord, PlanRecordError};
 use iiwa_plan::{GroupRecord, MotionRecord, Plan, PlanFigures};
@@ -198,44 +198,51 @@ type MatchedMotions = (Option<usize>, Option<usize>);
 
 /// Matches the motions of two plans: by targets, and between those by types.
 fn pairs(old: &PlanVersion, new: &PlanVersion) -> Vec<MatchedMotions> {
-    // Numbers compare faster than texts.
-    let mut numbers = HashMap::new();
-    let mut numbered = |plan: &PlanVersion| -> Vec<usize> {
-        let number = |target: &String| {
-            let next = numbers.len();
-            *numbers.entry(target.clone()).or_insert(next)
-        };
-        plan.targets.iter().map(number).collect()
-    };
-    let (a, b) = (numbered(old), numbered(new));
     let mut all = Vec::new();
-    for op in capture_diff_slices(Algorithm::Myers, &a, &b) {
-        let (old_range, new_range) = (op.old_range(), op.new_range());
-        if let DiffOp::Replace { .. } = op {
-            let types = |plan: &PlanVersion, range: std::ops::Range<usize>| -> Vec<_> {
-                plan.figures.motions[range].iter().map(|motion| motion.r#type.clone()).collect()
-            };
-            let (a, b) = (types(old, old_range.clone()), types(new, new_range.clone()));
-            for op in capture_diff_slices(Algorithm::Myers, &a, &b) {
-                add(&mut all, op, old_range.start, new_range.start);
-            }
-        } else {
-            add(&mut all, op, 0, 0);
-        }
-    }
+    let targets = [old, new].map(|plan| plan.targets.iter().map(String::as_str).collect());
+    add_pairs(&mut all, targets, [0, 0], |all, old_range, new_range| {
+        let types = |plan: &PlanVersion, range: &Range<usize>| {
+            plan.figures.motions[range.clone()].iter().map(|motion| motion.r#type.clone()).collect()
+        };
+        let types: [Vec<_>; 2] = [types(old, &old_range), types(new, &new_range)];
+        let types = types.each_ref().map(|types| types.iter().map(|text| &**text).collect());
+        add_pairs(all, types, [old_range.start, new_range.start], add_single);
+    });
     all
 }
 
-/// Adds the motions of an operation: equal ones as pairs, others one by one.
-fn add(all: &mut Vec<MatchedMotions>, op: DiffOp, old_start: usize, new_start: usize) {
-    let old = op.old_range().map(|index| Some(old_start + index));
-    let new = op.new_range().map(|index| Some(new_start + index));
-    if let DiffOp::Equal { .. } = op {
-        all.extend(old.zip(new));
-    } else {
-        all.extend(old.map(|old| (old, None)));
-        all.extend(new.map(|new| (None, new)));
+/// Adds the pairs of equal elements of two lists, whose first elements have the indices `starts`.
+/// `other` adds the elements in between, which differ.
+fn add_pairs(
+    all: &mut Vec<MatchedMotions>,
+    lists: [Vec<&str>; 2],
+    starts: [usize; 2],
+    other: impl Fn(&mut Vec<MatchedMotions>, Range<usize>, Range<usize>),
+) {
+    // Numbers compare faster than texts.
+    let mut numbers = HashMap::new();
+    let numbered = lists.map(|list| {
+        let number = |text| {
+            let next = numbers.len();
+            *numbers.entry(text).or_insert(next)
+        };
+        list.into_iter().map(number).collect::<Vec<_>>()
+    });
+    for op in capture_diff_slices(Algorithm::Myers, &numbered[0], &numbered[1]) {
+        let shifted = |start: usize, range: Range<usize>| start + range.start..start + range.end;
+        let (old, new) = (shifted(starts[0], op.old_range()), shifted(starts[1], op.new_range()));
+        if let DiffOp::Equal { .. } = op {
+            all.extend(old.zip(new).map(|(old, new)| (Some(old), Some(new))));
+        } else {
+            other(all, old, new);
+        }
     }
+}
+
+/// Adds motions of one plan alone.
+fn add_single(all: &mut Vec<MatchedMotions>, old: Range<usize>, new: Range<usize>) {
+    all.extend(old.map(|old| (Some(old), None)));
+    all.extend(new.map(|new| (None, Some(new))));
 }
 
 /// Returns the largest distance of a point of one path from the other path.
