@@ -223,7 +223,7 @@ pub(crate) fn optimise(
 
 /// Kinds of changes, from their names.
 fn freedom(names: &[String]) -> PyResult<Freedom> {
-    let mut freedom = Freedom { elbows: false, blends: false, speeds: false };
+    let mut freedom = Freedom::NONE;
     for name in names {
         match name.as_str() {
             "e1" => freedom.elbows = true,

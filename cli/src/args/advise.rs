@@ -10,8 +10,10 @@ use super::SearchOptions;
 ///
 /// The table has one row per change, the largest saving first: the motion, the change, the time
 /// that the change saves alone, and the time that it saves after all changes above it. Each saving
-/// is the difference of two exact plans. Changes that save less than a millisecond have no row, nor
-/// has a change that saves nothing after those above it. The changes that are tried:
+/// is the difference of two exact plans. The last column names what the times rest on: recordings
+/// of a robot, or assumptions, which are listed below the table. Changes that save less than a
+/// millisecond have no row, nor has a change that saves nothing after those above it. The changes
+/// that are tried:
 ///
 /// - another elbow angle (E1) at the target of a motion to a frame, by the same angle also at the
 ///   targets after it, up to the next point-to-point motion; by up to 90 deg, in steps of 15 deg
@@ -21,8 +23,9 @@ use super::SearchOptions;
 ///   the smallest
 /// - point-to-point motions at full speed
 /// - motions that the program need not wait for (`moveAsync` in place of `move`)
+/// - waits whose time could run during the motion before them
 ///
-/// Targets, speeds of TCP paths, waits, inputs, outputs and the order of motions are not changed;
+/// Targets, speeds of TCP paths, inputs, outputs and the order of motions are not changed;
 /// with a blend, the TCP passes its target within the radius and does not reach it. The command
 /// changes no file; --apply with --output writes a changed program.
 ///

@@ -1,6 +1,6 @@
 //! `iiwasim advise`.
 
-use iiwa_optimise::Advice;
+use iiwa_optimise::{Advice, Freedom};
 use iiwa_program::Program;
 use iiwa_report::AdviceReport;
 
@@ -18,7 +18,10 @@ pub(crate) fn run(options: &Advise) -> Result<(), Failure> {
     if let Some(path) = &options.output {
         output::keep_existing(OutputKind::Program, path, options.overwrite)?;
     }
-    SearchedProgram::with(&options.search, |search| finish(options, &search))
+    SearchedProgram::with(&options.search, |mut search| {
+        search.optimiser = search.optimiser.with_freedom(Freedom::ALL);
+        finish(options, &search)
+    })
 }
 
 /// Prints the advice, and writes the program with the chosen changes.

@@ -44,6 +44,14 @@ pub enum ChangeKind {
     },
     /// A motion without a blend whose end the program does not wait for: the standstill is shorter.
     NoWaitForEnd,
+    /// A wait whose time runs from the start of the motion before it, for whose end the program
+    /// does not wait.
+    OverlapWait {
+        /// Duration, in s.
+        seconds: f64,
+        /// `true` if the program waited for the end of the motion before.
+        was_blocking: bool,
+    },
 }
 
 impl Change {
@@ -53,6 +61,7 @@ impl Change {
             ChangeKind::Elbow { .. } => 0,
             ChangeKind::Blend { .. } | ChangeKind::NoWaitForEnd => 1,
             ChangeKind::FullSpeed { .. } => 2,
+            ChangeKind::OverlapWait { .. } => 3,
         }
     }
 
@@ -75,6 +84,16 @@ impl Change {
             (_, later) => later,
         };
         Some(Self { motion: self.motion, kind })
+    }
+
+    /// First motion that changes.
+    pub(crate) fn first(&self) -> MotionIndex {
+        match self.kind {
+            ChangeKind::OverlapWait { .. } => {
+                MotionIndex::new(self.motion.index().saturating_sub(1))
+            }
+            _ => self.motion,
+        }
     }
 
     /// Last motion that changes.
@@ -100,8 +119,13 @@ impl Change {
                     turn_elbow(motion, &changed.workcell, by_rad);
                 }
             }
-            ChangeKind::Blend { to_mm, .. } => {
+            ChangeKind::Blend { from, to_mm } => {
                 let blend = PathBlend::cart_mm(*to_mm);
+                // In Sunrise, the wait would overlap this motion, too.
+                let wait = program.motions.get(self.motion.index() + 2);
+                if from.is_none() && wait.is_some_and(|wait| wait.overlap() == 1) {
+                    return None;
+                }
                 match entry {
                     Motion::Ptp(ptp) => {
                         ptp.blend = blend.in_joints();
@@ -119,14 +143,29 @@ impl Change {
                 Motion::Cartesian(cartesian) => cartesian.shares[LimitKind::Velocity] = [1.0; 7],
                 Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => return None,
             },
-            ChangeKind::NoWaitForEnd => match entry {
-                Motion::Ptp(ptp) => ptp.blocking = false,
-                Motion::Cartesian(cartesian) => cartesian.blocking = false,
-                Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => return None,
-            },
+            ChangeKind::NoWaitForEnd => continue_after(entry)?,
+            ChangeKind::OverlapWait { .. } => {
+                let Motion::Wait { overlap, .. } = entry else { return None };
+                *overlap = 1;
+                // In Sunrise, the wait would overlap the motion before the blend, too.
+                if program.blend_into(self.first()).is_some() {
+                    return None;
+                }
+                continue_after(changed.motions.get_mut(self.first().index())?)?;
+            }
         }
         Some(changed)
     }
+}
+
+/// Lets the program continue before the end of a motion; `None` for other entries.
+fn continue_after(entry: &mut Motion) -> Option<()> {
+    match entry {
+        Motion::Ptp(ptp) => ptp.blocking = false,
+        Motion::Cartesian(cartesian) => cartesian.blocking = false,
+        Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => return None,
+    }
+    Some(())
 }
 
 /// Adds an angle to the E1 of a motion's target, if the motion states it.
@@ -190,6 +229,10 @@ impl fmt::Display for Change {
             }
             ChangeKind::FullSpeed { from_rel } => write!(f, "velocity_rel {from_rel} -> 1"),
             ChangeKind::NoWaitForEnd => write!(f, "move -> moveAsync"),
+            ChangeKind::OverlapWait { seconds, was_blocking } => {
+                write!(f, "wait {seconds} s -> from the start of motion {}", self.first())?;
+                if *was_blocking { write!(f, ", sent by moveAsync") } else { Ok(()) }
+            }
         }
     }
 }

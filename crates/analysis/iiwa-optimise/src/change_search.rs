@@ -14,6 +14,7 @@ use crate::{
     results::AdviceRow,
     search_settings::SearchSettings,
     speeds::full_speeds,
+    waits::waits_at_rest,
 };
 
 /// Smallest saving of a change, in s.
@@ -74,8 +75,14 @@ impl ChangeSearch<'_> {
             let Some(saved_on_top_s) = search.saved_s(times, &[&change]) else { continue };
             let program = change.apply(&version.program);
             let Some(Ok(next)) = program.map(|program| times.version(&program)) else { continue };
+            let mut rests_on = Vec::new();
+            for text in [version, &next].into_iter().flat_map(|it| it.assumptions_about(&change)) {
+                if !rests_on.contains(&text) {
+                    rests_on.push(text);
+                }
+            }
             changed = Some(next);
-            rows.push(AdviceRow { change, saved_s, saved_on_top_s });
+            rows.push(AdviceRow { change, saved_s, saved_on_top_s, rests_on });
         }
         (rows, changed)
     }
@@ -112,6 +119,9 @@ impl ChangeSearch<'_> {
         }
         if freedom.speeds {
             all.extend(full_speeds(program).into_iter().map(single));
+        }
+        if freedom.waits {
+            all.extend(waits_at_rest(program).into_iter().map(single));
         }
         if let Some(motions) = motions {
             all.retain(|alternatives| alternatives.motions().any(|motion| motions[motion]));

@@ -7,9 +7,9 @@ use std::sync::{
 
 use iiwa_kin::Robot;
 use iiwa_path::{JointPath, ReplacedSteps};
-use iiwa_plan::PlanOptions;
-use iiwa_program::Program;
-use iiwa_traj::{PlanError, Planner, TimingError, Trajectory};
+use iiwa_plan::{PlanOptions, section_assumptions};
+use iiwa_program::{MotionIndex, Program};
+use iiwa_traj::{PlanError, Planner, Timing, TimingError, Trajectory};
 
 use crate::change::Change;
 
@@ -23,6 +23,24 @@ pub(crate) struct Version {
     starts: Vec<usize>,
     /// Duration of each section, in s.
     durations_s: Vec<f64>,
+    /// Assumptions about the controller, each with a motion whose time depends on it.
+    assumptions: Vec<(&'static str, MotionIndex)>,
+    /// `true` if the timing follows recordings where there are any.
+    is_recorded: bool,
+}
+
+impl Version {
+    /// Assumptions that the times of the motions of a change, and of the next motion, depend on.
+    /// Without recordings behind the timing, all assumptions of the plan count.
+    pub(crate) fn assumptions_about(&self, change: &Change) -> impl Iterator<Item = &'static str> {
+        let after = change.last().index() + 1;
+        let moves = |index: &usize| self.program.motions[*index].moves();
+        let next = (after..self.program.motions.len()).find(moves).unwrap_or(after);
+        let motions = change.first().index()..=next;
+        let counts =
+            move |motion: MotionIndex| !self.is_recorded || motions.contains(&motion.index());
+        self.assumptions.iter().filter(move |(_, motion)| counts(*motion)).map(|(text, _)| *text)
+    }
 }
 
 /// Planner of changed programs. Sections that a change leaves as they are, are not planned again.
@@ -56,16 +74,21 @@ impl<'a> CycleTimes<'a> {
     pub(crate) fn version(&mut self, program: &Program) -> Result<Version, PlanError> {
         let mut path = JointPath::on_other_robot(program, self.robot, self.options.path)?;
         path.prepare_updates(program)?;
+        let timing = self.options.timing.name();
         let planner = self.planner(&path);
         let (mut starts, mut durations_s, mut cycle_time_s) = (Vec::new(), Vec::new(), 0.0);
+        let mut assumptions = Vec::new();
         loop {
             let start = planner.step();
             let Some(section) = planner.next().transpose()? else { break };
             starts.push(start);
             durations_s.push(section.end_s() - section.start_s());
             cycle_time_s = section.end_s();
+            assumptions.extend(section_assumptions(&section, timing));
         }
-        Ok(Version { program: program.clone(), cycle_time_s, path, starts, durations_s })
+        let program = program.clone();
+        let is_recorded = matches!(self.options.timing, Timing::Sunrise(_));
+        Ok(Version { program, cycle_time_s, path, starts, durations_s, assumptions, is_recorded })
     }
 
     /// Cycle time after changes, in s, and the changed program; `None` if the robot cannot execute
@@ -78,7 +101,7 @@ impl<'a> CycleTimes<'a> {
         if self.stop.load(Relaxed) {
             return None;
         }
-        let first = changes.iter().map(|change| change.motion).min()?;
+        let first = changes.iter().map(|change| change.first()).min()?;
         let last = changes.iter().map(|change| change.last()).max()?;
         let program = changes
             .iter()

@@ -3,9 +3,10 @@
 //! [`Optimiser::advise`] tries changes of a program: another elbow angle (E1) for a group of
 //! motions, other blend radii, blends in place of stops, point-to-point motions at full speed, and
 //! motions that the program need not wait for. Each change is planned exactly, with all limits of a
-//! plan, and kept if it saves time. Targets, speeds of TCP paths, waits, inputs, outputs and the
-//! order of motions stay as they are; with a blend, the TCP passes its target within the radius.
-//! [`Optimiser::optimise`] makes such changes until none saves more time.
+//! plan, and kept if it saves time. Targets, speeds of TCP paths, inputs, outputs and the order of
+//! motions stay as they are, and so do waits unless they are [freed](Freedom::ALL); with a blend,
+//! the TCP passes its target within the radius. [`Optimiser::optimise`] makes such changes until
+//! none saves more time.
 //!
 //! ```
 //! use iiwa_kin::Robot;
@@ -41,6 +42,7 @@ mod optimiser;
 mod results;
 mod search_settings;
 mod speeds;
+mod waits;
 
 pub use change::{Change, ChangeKind};
 pub use freedom::Freedom;

@@ -30,13 +30,13 @@ pub struct Optimiser {
 }
 
 impl Optimiser {
-    /// Creates an optimiser for a robot, for changes of all kinds and blends of up to 50 mm.
+    /// Creates an optimiser for a robot, for all changes of motions and blends of up to 50 mm.
     #[must_use]
     pub fn new(robot: Robot, options: PlanOptions) -> Self {
         let settings = SearchSettings {
             robot,
             options,
-            freedom: Freedom::ALL,
+            freedom: Freedom::MOTIONS,
             max_blend_mm: 50.0,
             plans: Arc::default(),
             stop: Arc::default(),
@@ -70,6 +70,12 @@ impl Optimiser {
     pub fn interrupted_by(mut self, stop: Arc<AtomicBool>) -> Self {
         self.settings.stop = stop;
         self
+    }
+
+    /// The robot.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.settings.robot
     }
 
     /// Number of plans of this optimiser and its clones so far, also while a search runs.

@@ -28,6 +28,10 @@ pub struct AdviceRow {
     pub saved_s: f64,
     /// Time that it saves after all changes before it, in s.
     pub saved_on_top_s: f64,
+    /// Assumptions about the controller that the times of the changed motions, and of the one after
+    /// them, depend on before or after the change. Without any, these times follow recordings of a
+    /// robot.
+    pub rests_on: Vec<&'static str>,
 }
 
 /// The fastest version of a program that a search has found: a local optimum.

@@ -5,9 +5,11 @@ use std::sync::{
     atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed},
 };
 
-use iiwa_optimise::{Advice, AdviceRow, Change, ChangeKind, Optimiser};
+use iiwa_kin::Robot;
+use iiwa_optimise::{Advice, AdviceRow, Change, ChangeKind, Freedom, Optimiser};
+use iiwa_plan::PlanOptions;
 use iiwa_program::{Motion, MotionIndex, Program, Target, TargetRef};
-use iiwa_traj::Trajectory;
+use iiwa_traj::{Timing, Trajectory};
 
 use crate::untouched::{assert_untouched, optimiser, pose};
 
@@ -133,6 +135,82 @@ fn waits_and_single_motions_have_nothing_to_change() {
         let advice = optimiser(&program).advise(&program).unwrap();
         assert!(advice.rows.is_empty());
     }
+}
+
+/// A wait for a gripper that may as well close during the motion.
+#[test]
+fn waits_could_run_during_motions() {
+    let program = Program::from_deg([0.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .ptp_deg([40.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .wait_s(0.3)
+        .ptp_deg([0.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .build();
+    let optimiser = optimiser(&program);
+    let rows = optimiser.advise(&program).unwrap().rows;
+    assert!(rows.iter().all(|row| !matches!(row.change.kind, ChangeKind::OverlapWait { .. })));
+    let advice = optimiser.clone().with_freedom(Freedom::ALL).advise(&program).unwrap();
+    let [row] = &advice.rows[..] else { panic!("{:?}", advice.rows) };
+    assert_eq!(row.change.kind, ChangeKind::OverlapWait { seconds: 0.3, was_blocking: false });
+    assert_eq!(row.change.motion.number(), 2);
+    // The motion takes longer than the wait.
+    assert!((0.25..0.301).contains(&row.saved_s), "{}", row.saved_s);
+    let changed_s = optimiser.plan(&row.change.apply(&program).unwrap()).unwrap().cycle_time_s();
+    assert!((advice.cycle_time_s - changed_s - row.saved_s).abs() < 1e-9);
+}
+
+/// A blend before the motion would lengthen the wait in Sunrise: neither of both changes is made
+/// after the other.
+#[test]
+fn waits_and_blends_exclude_each_other() {
+    let program = Program::from_deg([0.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .ptp_deg([40.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .ptp_deg([40.0, 50.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .wait_s(0.3)
+        .ptp_deg([0.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .build();
+    let [first, wait] = [0, 2].map(MotionIndex::new);
+    let overlap = ChangeKind::OverlapWait { seconds: 0.3, was_blocking: false };
+    let overlap = Change { motion: wait, kind: overlap };
+    let blend = Change { motion: first, kind: ChangeKind::Blend { from: None, to_mm: 20.0 } };
+    assert!(overlap.apply(&blend.apply(&program).unwrap()).is_none());
+    assert!(blend.apply(&overlap.apply(&program).unwrap()).is_none());
+    let advice = optimiser(&program).with_freedom(Freedom::ALL).advise(&program).unwrap();
+    let is_overlap = |row: &AdviceRow| matches!(row.change.kind, ChangeKind::OverlapWait { .. });
+    assert_eq!(advice.rows.iter().filter(|row| is_overlap(row)).count(), 1, "{:?}", advice.rows);
+}
+
+/// The standstill that a change removes is an assumption, and so is the whole of a plan with
+/// another timing.
+#[test]
+fn assumptions_before_the_change_count() {
+    let text = r#"{ "version": 1, "start": { "joints_deg": [0, 20, 0, -70, 0, 60, 0] }, "motions": [
+        { "type": "ptp", "joints_deg": [90, 20, 0, -70, 0, 60, 0], "blocking": true },
+        { "type": "ptp", "joints_deg": [0, 20, 0, -70, 0, 60, 0] }] }"#;
+    let program = Program::from_json(text).unwrap();
+    for timing in [Timing::default(), Timing::jerk_limited()] {
+        let options = PlanOptions::with_timing(timing);
+        let rows = Optimiser::new(Robot::default(), options).advise(&program).unwrap().rows;
+        let row = rows.iter().find(|row| row.change.kind == ChangeKind::NoWaitForEnd);
+        assert!(row.is_none_or(|row| !row.rests_on.is_empty()), "{rows:?}");
+        assert!(rows.iter().all(|row| !row.rests_on.is_empty()) && !rows.is_empty(), "{rows:?}");
+    }
+}
+
+/// Point-to-point motions with a plateau follow recordings, and blends rest on an assumption.
+#[test]
+fn rows_state_what_their_times_rest_on() {
+    let program = Program::from_deg([0.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .ptp_deg([90.0, 20.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .velocity(0.7)
+        .ptp_deg([90.0, -70.0, 0.0, -70.0, 0.0, 60.0, 0.0])
+        .build();
+    let rows = optimiser(&program).advise(&program).unwrap().rows;
+    for row in &rows {
+        let blends = row.rests_on.iter().any(|text| text.contains("blends"));
+        assert_eq!(blends, matches!(row.change.kind, ChangeKind::Blend { .. }), "{row:?}");
+    }
+    assert!(rows.iter().any(|row| row.rests_on.is_empty()), "{rows:?}");
+    assert!(rows.iter().any(|row| !row.rests_on.is_empty()), "{rows:?}");
 }
 
 #[test]

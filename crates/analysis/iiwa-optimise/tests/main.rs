@@ -5,4 +5,5 @@
 
 mod advice;
 mod optimum;
+mod production;
 mod untouched;

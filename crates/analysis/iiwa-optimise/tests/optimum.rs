@@ -53,7 +53,7 @@ fn elbow_angles_alone_make_palletising_faster() {
 
 #[test]
 fn elbow_angles_and_blends_make_palletising_faster() {
-    let freedom = Freedom { speeds: false, ..Freedom::ALL };
+    let freedom = Freedom { speeds: false, ..Freedom::MOTIONS };
     let (program, optimum) = optimum(PALLETISING, freedom);
     assert!(saved(&optimum) > 0.14, "{}", saved(&optimum));
     assert_untouched(&program, &optimum.program);
@@ -74,7 +74,7 @@ fn assert_listed_once(optimum: &Optimum) {
 
 #[test]
 fn all_changes_make_pick_and_place_faster() {
-    let (program, optimum) = optimum(PICK_AND_PLACE, Freedom::ALL);
+    let (program, optimum) = optimum(PICK_AND_PLACE, Freedom::MOTIONS);
     assert!(saved(&optimum) > 0.15, "{}", saved(&optimum));
     assert_untouched(&program, &optimum.program);
     assert_confirmed(&program, &optimum);
@@ -127,18 +127,17 @@ fn no_pair_of_elbow_angles_is_much_faster() {
 
 #[test]
 fn a_search_without_freedom_returns_the_program() {
-    let none = Freedom { elbows: false, blends: false, speeds: false };
     for (text, freedom) in [
-        (PICK_AND_PLACE, none),
+        (PICK_AND_PLACE, Freedom::NONE),
         (
             r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
               "motions": [{ "type": "wait", "seconds": 2 }] }"#,
-            Freedom::ALL,
+            Freedom::MOTIONS,
         ),
         (
             r#"{ "version": 1, "start": { "joints_deg": [0, 0, 0, 0, 0, 0, 0] },
               "motions": [{ "type": "ptp", "joints_deg": [40, 0, 0, -60, 0, 0, 0] }] }"#,
-            Freedom::ALL,
+            Freedom::MOTIONS,
         ),
     ] {
         let (program, optimum) = optimum(text, freedom);
@@ -165,7 +164,7 @@ fn a_small_budget_ends_the_search() {
 fn threads_make_no_difference() {
     let with_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let (_, optimum) = pool.install(|| optimum(PICK_AND_PLACE, Freedom::ALL));
+        let (_, optimum) = pool.install(|| optimum(PICK_AND_PLACE, Freedom::MOTIONS));
         (optimum.program.to_json(), optimum.plans)
     };
     assert_eq!(with_threads(1), with_threads(3));

@@ -58,6 +58,6 @@ pub use plan_request::PlanRequest;
 pub use planning::Planning;
 pub use program_source::{ProgramSource, ProgramText};
 pub use repeat_record::RepeatRecord;
-pub use rests_on::AssumptionRecord;
+pub use rests_on::{AssumptionRecord, section_assumptions};
 pub use torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 pub use warnings::warnings;

@@ -36,8 +36,10 @@ const JERK: &str = "stops: within jerk limits; a real robot's PTP motions take 4
 const OVERRIDE: &str =
     "override: scales the time of blends and TCP paths; recorded for PTP and splines";
 
-/// Assumptions that the motions of a section depend on, for the timing method `timing`.
-fn of_section(section: &Section, timing: &str) -> Vec<(&'static str, MotionIndex)> {
+/// Assumptions about the controller that the time of a section depends on, each with a motion, for
+/// the timing method of this name.
+#[must_use]
+pub fn section_assumptions(section: &Section, timing: &str) -> Vec<(&'static str, MotionIndex)> {
     let mut assumptions = Vec::new();
     if timing != "sunrise" {
         let stops = section.pieces().iter().find(|piece| piece.kind == PieceKind::Settle);
@@ -110,7 +112,7 @@ pub(crate) fn add(
 ) {
     // A motion with several pieces or sections, such as a spline, counts once.
     let mut seen: HashSet<_> = counted.0.drain(..).collect();
-    for (text, motion) in of_section(section, timing) {
+    for (text, motion) in section_assumptions(section, timing) {
         if !seen.insert((text, motion)) {
             continue;
         }

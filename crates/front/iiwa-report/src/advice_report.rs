@@ -35,6 +35,9 @@ struct ChangeRow {
     saved_s: f64,
     /// Time that it saves after all changes before it.
     saved_on_top_s: f64,
+    /// Assumptions about the controller that the times of the changed motions depend on; without
+    /// any, they follow recordings.
+    rests_on: Vec<&'static str>,
 }
 
 impl AdviceReport {
@@ -47,6 +50,7 @@ impl AdviceReport {
             entry: ChangeEntry::new(&found.change, program),
             saved_s: rounded(found.saved_s, 9),
             saved_on_top_s: rounded(found.saved_on_top_s, 9),
+            rests_on: found.rests_on.clone(),
         });
         Self {
             cycle_time_s: rounded(advice.cycle_time_s, 9),
@@ -73,12 +77,24 @@ impl AdviceReport {
         let columns = ChangeColumns::of(changes.iter().map(|row| &row.entry));
         let mut head = vec!["row"];
         head.extend(columns.head());
-        head.extend(["saves s", "on top s"]);
+        head.extend(["saves s", "on top s", "rests on"]);
         let mut rows = table(&head);
+        let mut assumed = Vec::new();
+        for text in changes.iter().flat_map(|change| &change.rests_on) {
+            if !assumed.contains(text) {
+                assumed.push(*text);
+            }
+        }
         for change in changes {
             let mut cells = vec![change.row.to_string()];
             cells.extend(columns.cells(&change.entry));
             cells.extend([change.saved_s, change.saved_on_top_s].map(|time| format!("{time:.3}")));
+            let known = assumed.iter().enumerate();
+            let letters = known
+                .filter(|(_, text)| change.rests_on.contains(text))
+                .filter_map(|(index, _)| letter(index));
+            let letters: Vec<_> = letters.map(String::from).collect();
+            cells.push(if letters.is_empty() { "recordings".into() } else { letters.join(", ") });
             rows.add_row(cells);
         }
         let mut text = fitted(rows, width);
@@ -91,6 +107,17 @@ impl AdviceReport {
         if !self.checked_for_collisions && changes.iter().any(|row| row.entry.bends()) {
             text.push_str(NOT_CHECKED);
         }
+        if !assumed.is_empty() {
+            text.push_str("Assumptions that these times rest on, and no recording:\n");
+        }
+        for (index, assumption) in assumed.iter().enumerate() {
+            let _ = writeln!(text, "  {}  {assumption}", letter(index).unwrap_or_default());
+        }
         text
     }
+}
+
+/// Letter of an assumption in the table.
+fn letter(index: usize) -> Option<char> {
+    ('a'..='z').nth(index)
 }

@@ -10,7 +10,7 @@ use comfy_table::{
 const SHOWN: usize = 100;
 
 /// Titles of text columns; all others are columns of numbers.
-const TEXT: [&str; 35] = [
+const TEXT: [&str; 36] = [
     "name",
     "round",
     "block",
@@ -46,6 +46,7 @@ const TEXT: [&str; 35] = [
     "trend",
     "assumed",
     "change",
+    "rests on",
 ];
 
 /// Creates a table with a header; columns of numbers are right-aligned.
