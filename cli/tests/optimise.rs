@@ -45,6 +45,38 @@ fn the_written_program_takes_as_long_as_stated() {
         );
 }
 
+/// The page holds both plans and the changes, and loads nothing.
+#[test]
+fn a_page_shows_both_plans() {
+    let (folder, program) = (tempdir().unwrap(), path("pick-and-place.json"));
+    let free = ["--free", "blends", "-o", "faster.json", "--json"];
+    let arguments = [&["optimise", &program, "--page", "both.html"][..], &free].concat();
+    let report = figures(iiwasim(&folder, &arguments));
+    let page = fs::read_to_string(folder.path().join("both.html")).unwrap();
+    let (_, data) = page.split_once(r#"<script id="data" type="application/json">"#).unwrap();
+    let data: Value = serde_json::from_str(data.split_once("</script>").unwrap().0).unwrap();
+    for (plan, key) in [(0, "cycle_time_s"), (1, "changed_cycle_time_s")] {
+        let plan = &data["plans"][plan];
+        // With the standstill at the end.
+        let motion_s = seconds(&report, key) - seconds(plan, "end_s");
+        assert!((0.0..0.1).contains(&motion_s), "{motion_s}");
+        assert!(plan["html"].as_str().unwrap().contains(r#"class="framed""#));
+    }
+    let changes = report["changes"].as_array().unwrap().len();
+    assert_eq!(data["changes"]["rows"].as_array().unwrap().len(), changes);
+    assert!(!page.contains("src=\\\"http") && !page.contains("src=\"http"));
+
+    for (wrong, code, message) in [
+        ("both.json", 2, "written as HTML"),
+        (&*program, 2, "over the program"),
+        ("no/such/folder.html", 1, "no such folder"),
+    ] {
+        let arguments = ["optimise", &program, "-o", "other.json", "--page", wrong];
+        iiwasim(&folder, &arguments).code(code).stderr(contains(message));
+        assert!(!folder.path().join("other.json").exists());
+    }
+}
+
 /// Elbow angles are free by default, and nothing else.
 #[test]
 fn what_is_not_free_stays() {

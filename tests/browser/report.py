@@ -26,6 +26,7 @@ from charts import CHART_CHECKS
 from checks import run_checks
 from chromium import Browser
 from pages import CHARTS, CLOCK, FIXTURES, SCENE, Pages, desk, seek
+from pair import PAIR_CHECKS, make_pair
 from playback import PLAYBACK_CHECKS
 from scene import TOOL
 from view import VIEW_CHECKS, meshes_of_a_urdf_are_drawn
@@ -510,6 +511,7 @@ CHECKS = [
     mode_override_and_warnings_are_stated,
     two_files_and_damaged_ones,
     *CHART_CHECKS,
+    *PAIR_CHECKS,
 ]
 
 
@@ -526,6 +528,7 @@ def main() -> None:
     options = parser.parse_args()
     pages = Pages(options.program, options.folder, options.urdf)
     pages.make()
+    make_pair(pages)
     if options.urdf is None:
         print("left out, without --urdf: meshes_of_a_urdf_are_drawn", flush=True)
     checks = (

@@ -11,9 +11,9 @@ use super::SearchOptions;
 ///
 /// The command makes changes of the kinds that --free allows, until no single one of them saves
 /// another millisecond, and writes the changed program. It prints the changes, and then the
-/// differences of the two plans as `iiwasim diff` does. The changes are those of `iiwasim advise`;
-/// elbow angles of neighbouring motions are first tried together, in steps of 30 deg. Changes of
-/// several rounds add up: E1 may change by more than 90 deg.
+/// differences of the two plans as `iiwasim diff` does. The changes are those of `iiwasim advise`,
+/// except those of waits; elbow angles of neighbouring motions are first tried together, in steps
+/// of 30 deg. Changes of several rounds add up: E1 may change by more than 90 deg.
 ///
 /// With `e1`, lines, circles and splines keep their TCP paths and programmed speeds. The elbow
 /// moves elsewhere, and point-to-point motions take other paths. With `blends`, the TCP passes
@@ -23,6 +23,8 @@ use super::SearchOptions;
 /// The changed program is planned again from its text before it is written. If no change saves a
 /// millisecond, the unchanged program is written. With --robot, the written program names that
 /// robot.
+///
+/// With --page, a page for a browser shows both plans side by side and plays them together.
 ///
 /// Changes are checked for collisions only with --scene: each motion keeps --min-clearance from the
 /// obstacles, and the arm from itself. The unchanged program must not touch an obstacle.
@@ -49,6 +51,10 @@ pub(crate) struct Optimise {
     /// by `iiwasim export`
     #[arg(short, long, value_name = "FILE.json|FOLDER")]
     pub(crate) output: PathBuf,
+
+    /// Also write a page that plays the plans before and after the changes side by side
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) page: Option<PathBuf>,
 
     /// Replace an existing program or project, which may have been edited by hand
     #[arg(long)]
@@ -77,6 +83,7 @@ impl Optimise {
             elbows: frees(FreeKind::E1),
             blends: frees(FreeKind::Blends),
             speeds: frees(FreeKind::Speeds),
+            waits: false,
         }
     }
 }

@@ -3,7 +3,9 @@
 use std::{fs, path::Path};
 
 use iiwa_eval::PlanVersion;
+use iiwa_files::{Output, interrupt};
 use iiwa_optimise::{Freedom, Optimum};
+use iiwa_page::{Page, PageOptions, pair_page};
 use iiwa_plan::{Plan, ProgramSource};
 use iiwa_program::Program;
 use iiwa_report::{DifferenceReport, OptimumReport};
@@ -40,7 +42,13 @@ fn finish(options: &Optimise, mut search: SearchedProgram<'_>) -> Result<(), Fai
     let (changed, plan) = planned_again(options, &search, &optimum)?;
     let differences = DifferenceReport::new(&search.plan.into(), &PlanVersion::from(&plan));
     let report = OptimumReport::new(&optimum, program, search.rule.is_some(), differences);
+    // Before the program is written: a page may fail.
+    let inputs = [search.input, &changed];
+    let html = options.page.as_ref().map(|_| page(options, inputs, &report)).transpose()?;
     write(options, &changed)?;
+    if let (Some(path), Some(html)) = (&options.page, html) {
+        output::write(path, html.as_bytes())?;
+    }
     if options.json {
         output::print_json(&report)?;
     } else {
@@ -107,9 +115,18 @@ fn is_program(output: &Path) -> bool {
 fn keep_existing(options: &Optimise) -> Result<(), Failure> {
     let output = options.output.as_path();
     let search = &options.search;
+    let scene = search.scene.as_deref().map(|path| ("scene", path));
+    let inputs = [("program", search.program.as_path())].into_iter().chain(scene);
+    if let Some(page) = &options.page {
+        let others = inputs.clone().chain([("changed program", output)]);
+        output::keep_others(OutputKind::Page, page, others, "--page")?;
+        OutputKind::Page.check_existing(page)?;
+        if !page.exists() {
+            // Reports an output that cannot be written before the search.
+            Output::new(page).map(drop)?;
+        }
+    }
     if is_program(output) {
-        let scene = search.scene.as_deref().map(|path| ("scene", path));
-        let inputs = [("program", search.program.as_path())].into_iter().chain(scene);
         output::keep_others(OutputKind::Program, output, inputs, "--output")?;
         return output::keep_existing(OutputKind::Program, output, options.overwrite);
     }
@@ -132,6 +149,22 @@ fn keep_existing(options: &Optimise) -> Result<(), Failure> {
     }
     #[cfg(not(feature = "sunrise"))]
     Err(crate::features::SUNRISE.missing("a Sunrise project"))
+}
+
+/// Returns the page with the plans before and after the changes.
+fn page(
+    options: &Optimise,
+    [before, after]: [&Input; 2],
+    report: &OptimumReport,
+) -> Result<String, Failure> {
+    let scene = options.search.scene.as_deref().map(input::scene).transpose()?;
+    let how = PageOptions { scene, interrupted: interrupt::has_come, ..PageOptions::default() };
+    let plan = |title: &str, Input { source, request, .. }: &Input| {
+        Page::of_program(title, source, request, &how)
+    };
+    let title = Path::new(&before.name).file_name().unwrap_or_default().to_string_lossy();
+    let plans = [plan("before", before)?, plan("after", after)?];
+    Ok(pair_page(&title, plans.each_ref(), &report.changes())?)
 }
 
 /// Writes the changed program as JSON, or as a Sunrise project.

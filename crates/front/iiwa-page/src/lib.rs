@@ -5,6 +5,7 @@
 //! no files, and serves nothing.
 //!
 //! - [`Page`] shows a plan, a recording or both. [`twin_page`] is the page that follows a robot.
+//! - [`pair_page`] shows the plans before and after a change side by side.
 //! - [`ArmSource`] provides the meshes of the arm, [`NearestPlaces`] the points of smallest
 //!   clearance.
 
@@ -12,11 +13,13 @@ mod arm_look;
 mod nearest;
 mod page;
 mod page_error;
+mod pair;
 mod report;
 mod twin;
 
 pub use nearest::{Nearest, NearestPlaces};
 pub use page::ArmSource;
 pub use page_error::PageError;
+pub use pair::pair_page;
 pub use report::{Extent, Page, PageOptions};
 pub use twin::{TwinRobot, TwinSetup, twin_page};

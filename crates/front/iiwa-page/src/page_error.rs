@@ -52,9 +52,9 @@ pub enum PageError {
         /// Name of the plan.
         plan: String,
     },
-    /// The program in a recording cannot be planned.
-    #[error("the recorded program")]
-    RecordedProgram {
+    /// A program cannot be planned for the page.
+    #[error("the program")]
+    Program {
         /// Cause.
         source: Box<iiwa_plan::Error>,
     },
@@ -72,7 +72,7 @@ pub enum PageError {
         duration: String,
     },
     /// A plan computed for a page cannot be stored.
-    #[error("cannot store the plan of the recorded program")]
+    #[error("cannot store the plan of a program")]
     Write {
         /// Cause.
         #[from]
@@ -90,6 +90,10 @@ pub enum PageError {
 }
 
 impl PageError {
+    pub(crate) fn program(source: iiwa_plan::Error) -> Self {
+        Self::Program { source: Box::new(source) }
+    }
+
     /// Returns true if the input is at fault, rather than an internal failure.
     #[must_use]
     pub fn is_input(&self) -> bool {

@@ -18,7 +18,7 @@ pub(crate) struct ChangeEntry {
     /// Source line, if known.
     #[serde(skip_serializing_if = "Option::is_none")]
     source: Option<String>,
-    /// `elbow`, `blend`, `full_speed` or `no_wait_for_end`.
+    /// `elbow`, `blend`, `full_speed`, `overlap_wait` or `no_wait_for_end`.
     kind: &'static str,
     /// Text of the change, with the values before and after it.
     change: String,
@@ -30,6 +30,7 @@ impl ChangeEntry {
             ChangeKind::Elbow { .. } => "elbow",
             ChangeKind::Blend { .. } => "blend",
             ChangeKind::FullSpeed { .. } => "full_speed",
+            ChangeKind::OverlapWait { .. } => "overlap_wait",
             _ => "no_wait_for_end",
         };
         let label = program.sources.label(change.motion);
@@ -82,6 +83,21 @@ impl ChangeColumns {
         }
         cells.push(change.change.clone());
         cells
+    }
+}
+
+/// Changes as a table of texts.
+#[derive(Clone, Debug, Serialize)]
+pub struct ChangeTable {
+    head: Vec<&'static str>,
+    rows: Vec<Vec<String>>,
+}
+
+impl ChangeTable {
+    pub(crate) fn new(changes: &[ChangeEntry]) -> Self {
+        let columns = ChangeColumns::of(changes.iter());
+        let rows = changes.iter().map(|change| columns.cells(change)).collect();
+        Self { head: columns.head(), rows }
     }
 }
 

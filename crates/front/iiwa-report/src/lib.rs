@@ -41,6 +41,7 @@ mod validation_report;
 mod warning;
 
 pub use advice_report::AdviceReport;
+pub use change_rows::ChangeTable;
 pub use comparison_report::ComparisonReport;
 pub use difference_report::DifferenceReport;
 pub use difference_summary::{DifferenceSummary, ProgramDifference};

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::{
     DifferenceReport,
-    change_rows::{ChangeColumns, ChangeEntry, NOT_CHECKED},
+    change_rows::{ChangeColumns, ChangeEntry, ChangeTable, NOT_CHECKED},
     signed::rounded,
     table::{fitted, table},
 };
@@ -49,6 +49,12 @@ impl OptimumReport {
             changes: changes.collect(),
             differences,
         }
+    }
+
+    /// The changes as a table.
+    #[must_use]
+    pub fn changes(&self) -> ChangeTable {
+        ChangeTable::new(&self.changes)
     }
 
     /// Writes the report as text, with tables that are at most `width` columns wide, if given.

@@ -157,7 +157,12 @@ function makeSight(canvas) {
   }
   const reset = () => look("usual");
   reset();
+  /** Takes over the view of another scene, which fits the size of this canvas. */
+  function adopt(other) {
+    view = { ...other };
+    fitted = null;
+  }
   /** All state that a picture depends on. */
   const state = () => [view, fitted];
-  return { aim, camera, turn, pan, look, reset, state };
+  return { aim, camera, turn, pan, look, reset, adopt, state };
 }

@@ -8,6 +8,7 @@ use std::{
 use crate::arm_look::Look;
 use iiwa_kin::{Joints, Robot};
 use iiwa_log::{LogOptions, Loss, PlanPiece};
+use iiwa_plan::{PlanRequest, ProgramSource};
 use iiwa_program::{Blend, LimitKind, Motion, Program};
 use iiwa_report::{ComparisonReport, with_causes};
 use iiwa_scene::{ArmInScene, ArmMeshes, CarriedBodies, Scene};
@@ -35,9 +36,11 @@ use super::{
 };
 
 /// Parts of this page only.
-const PARTS: [PagePart; 9] = [
+const PARTS: [PagePart; 11] = [
     ("/*data.js*/", include_str!("data.js")),
     ("/*plot.js*/", include_str!("../page/plot.js")),
+    ("/*timeline.js*/", include_str!("../page/timeline.js")),
+    ("/*player.js*/", include_str!("../page/player.js")),
     ("/*charts.js*/", include_str!("charts.js")),
     ("/*head.js*/", include_str!("head.js")),
     ("/*point.js*/", include_str!("point.js")),
@@ -231,7 +234,6 @@ impl Page {
         measured: Option<&Path>,
         options: &PageOptions,
     ) -> Result<Self, PageError> {
-        let extent = options.extent;
         let first = PageSource::read(file, options.log)?;
         let second = measured.map(|path| PageSource::read(path, options.log)).transpose()?;
         swapped(&first, second.as_ref())?;
@@ -244,6 +246,34 @@ impl Page {
             None => beside_its_plan(first, &robot, options.interrupted, &mut notes)?,
             second => (first, second),
         };
+        Self::of_sources(first, second.as_ref(), &robot, title, notes, options)
+    }
+
+    /// Plans a program, and shows the plan.
+    ///
+    /// # Errors
+    ///
+    /// [`PageError`] if the program cannot be planned, or the plan cannot be shown.
+    pub fn of_program(
+        title: &str,
+        source: &ProgramSource,
+        request: &PlanRequest,
+        options: &PageOptions,
+    ) -> Result<Self, PageError> {
+        let (plan, robot) = attached::planned(title, source, request, options.interrupted)?;
+        Self::of_sources(plan, None, &robot, title.to_owned(), Vec::new(), options)
+    }
+
+    /// Converts a plan or a recording, and the recording beside a plan.
+    fn of_sources(
+        first: PageSource,
+        second: Option<&PageSource>,
+        robot: &Robot,
+        title: String,
+        mut notes: Vec<String>,
+        options: &PageOptions,
+    ) -> Result<Self, PageError> {
+        let extent = options.extent;
         notes.extend(first.losses());
         if first.role() == Role::Part {
             notes.push(format!(
@@ -258,12 +288,12 @@ impl Page {
         let shift_s = from_start(&first);
         let scene = options.scene.as_ref().filter(|_| extent == Extent::Whole);
         let meshes = options.arm.as_ref().filter(|_| extent == Extent::Whole);
-        let meshes = meshes.map(|source| source.of(&robot)).transpose()?;
+        let meshes = meshes.map(|source| source.of(robot)).transpose()?;
         let carried = program.as_ref().filter(|_| extent == Extent::Whole);
         let carried = carried.and_then(|program| carried_bodies(program, &mut notes));
         let in_scene = scene.map(|scene| match &meshes {
-            Some(meshes) => ArmInScene::with_meshes(&robot, scene, meshes),
-            None => ArmInScene::new(&robot, scene),
+            Some(meshes) => ArmInScene::with_meshes(robot, scene, meshes),
+            None => ArmInScene::new(robot, scene),
         });
         let in_scene = in_scene.map(|arm| match &carried {
             Some(carried) => arm.carrying(carried),
@@ -271,7 +301,7 @@ impl Page {
         });
         let making = Making {
             extent,
-            robot: &robot,
+            robot,
             scene: in_scene.as_ref(),
             workcell: &workcell,
             pieces: &first.record.pieces,
@@ -287,12 +317,12 @@ impl Page {
             notes.push(unknown_times(&first.name));
         }
         let mut arms = vec![making.arm(&first, shift_s, bodies)];
-        if let Some(second) = &second {
-            second.check(&robot)?;
+        if let Some(second) = second {
+            second.check(robot)?;
             if second.role() != Role::Recording {
                 notes.push(format!("{}: a plan, too: nothing in it was measured", second.name));
             }
-            let (shift_s, motions) = match comparison(&first, second, &robot) {
+            let (shift_s, motions) = match comparison(&first, second, robot) {
                 Ok((report, shift_s, motions)) => {
                     compared = Some(report);
                     (shift_s, motions)
@@ -318,9 +348,9 @@ impl Page {
         }
         let motions = program.as_ref().map_or(&[][..], |program| &program.motions);
         Ok(Self {
-            robot: RobotModel::new(&robot, meshes.as_ref(), extent),
+            robot: RobotModel::new(robot, meshes.as_ref(), extent),
             arms,
-            corners: corners(&first.record.pieces, program.as_ref(), &robot),
+            corners: corners(&first.record.pieces, program.as_ref(), robot),
             workcell,
             scene: scene.cloned(),
             carried,
@@ -368,6 +398,16 @@ impl Page {
         }
     }
 
+    /// End of the motion in the first file, in s.
+    pub(crate) fn end_s(&self) -> f64 {
+        self.arms.first().map_or(0.0, |arm| arm.end_s)
+    }
+
+    /// Pieces of the plan, in the order of time.
+    pub(crate) fn pieces(&self) -> &[PlanPiece] {
+        &self.pieces
+    }
+
     /// Assembles the page as HTML, with its style, scripts and data.
     ///
     /// # Errors
@@ -396,7 +436,7 @@ fn beside_its_plan(
     interrupted: fn() -> bool,
     notes: &mut Vec<String>,
 ) -> Result<(PageSource, Option<PageSource>), PageError> {
-    match attached::plan(&alone, robot, interrupted) {
+    match attached::recorded(&alone, robot, interrupted) {
         None => Ok((alone, None)),
         Some(Ok(plan)) => {
             notes.push(format!(

@@ -1,16 +1,5 @@
 // The head of the page, and the legends of robot and curve colours.
 
-/** Pieces of the path, as KUKA names them. */
-const PIECE_NAMES = {
-  line: "PTP",
-  lin: "LIN",
-  circ: "CIRC",
-  spline: "spline segment",
-  blend: "blend",
-  settle: "settling",
-  wait: "waiting",
-};
-
 /** The peak torque of motions, relative to its limit. */
 function largestTorque(motions) {
   const all = motions.flatMap(({ index, torque }) =>
@@ -153,11 +142,7 @@ function writeLegends() {
       ["measured", `solid arm and thin line: ${called(second)}`],
     );
   if (scene) legend($("legend"), parts);
-  const there = new Set(report.pieces.map((piece) => piece.kind));
-  legend(
-    $("kinds"),
-    Object.entries(PIECE_NAMES).filter(([kind]) => there.has(kind)),
-  );
+  pieceLegend($("kinds"), report.pieces);
   document.querySelector(".track").hidden = report.pieces.length === 0;
   const bands = [["beyond", "beyond the robot's limits"]];
   if (Object.keys(report.shares).length)

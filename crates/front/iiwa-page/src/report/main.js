@@ -64,6 +64,7 @@ function drawNow() {
 
 function seek(t) {
   state.time = Math.min(Math.max(t, startS), endS);
+  tell("time", state.time);
   const { from, to } = state.window;
   if (state.time < from || state.time > to) look(state.time - 0.1 * (to - from), to - from);
   update();
@@ -79,6 +80,17 @@ function look(from, span) {
   pointAt(null, 0);
 }
 
+/** Tells a page that has this one in a frame. */
+function tell(kind, detail) {
+  document.dispatchEvent(new CustomEvent(kind, { detail }));
+}
+
+/** Shows the 3D view from a place of that page. */
+function viewFrom(view) {
+  scene?.adopt(view);
+  update();
+}
+
 function zoom(factor) {
   const { from, to } = state.window;
   const middle = state.time >= from && state.time <= to ? state.time : (from + to) / 2;
@@ -86,51 +98,15 @@ function zoom(factor) {
   look(middle - ((middle - from) / (to - from)) * span, span);
 }
 
-let frame = null;
+const player = makePlayer(state, whole, [startS, endS], seek);
 function play(on) {
-  state.playing = on;
-  $("play").textContent = on ? "Pause" : "Play";
-  $("play").setAttribute("aria-label", on ? "Pause" : "Play");
-  frame = null;
-  if (!on) return;
-  if (state.time >= whole.to - 1e-9) seek(whole.from);
-  requestAnimationFrame(tick);
-}
-
-function tick(now) {
-  if (!state.playing) return;
-  const passed = frame === null ? 0 : (now - frame) / 1000;
-  frame = now;
-  // A page that was hidden continues from its last time.
-  const next = state.time + Math.min(passed, 1) * state.speed;
-  const end = state.time > whole.to ? endS : whole.to;
-  seek(Math.min(next, end));
-  if (next >= end) play(false);
-  else requestAnimationFrame(tick);
+  player(on);
+  if (!on) tell("pause");
 }
 
 // ---- user input
 
 function listen() {
-  const scrub = $("scrub");
-  [scrub.min, scrub.max] = [startS, endS];
-  scrub.addEventListener("input", () => {
-    play(false);
-    seek(Number(scrub.value));
-  });
-  $("play").addEventListener("click", () => play(!state.playing));
-  const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10];
-  if (whole.to - whole.from > 120) speeds.push(60);
-  for (const speed of speeds) {
-    const option = element("option", `${speed}\u00d7`);
-    option.value = speed;
-    option.selected = speed === 1;
-    $("speed").append(option);
-  }
-  $("speed").addEventListener("change", () => {
-    state.speed = Number($("speed").value);
-  });
-
   state.joints.forEach((_, j) => {
     const label = element("label");
     const box = element("input");
@@ -160,7 +136,10 @@ function listen() {
   tellSliders();
 
   if (scene) {
-    makeTurnable($("scene"), scene, update);
+    makeTurnable($("scene"), scene, () => {
+      tell("view", scene.state()[0]);
+      update();
+    });
   }
 
   const draw = () => {

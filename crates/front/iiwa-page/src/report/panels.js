@@ -161,7 +161,7 @@ addQuantities();
 listChart(
   $("timeline"),
   "Timeline of the motions",
-  (canvas, colours) => drawTimeline(canvas, state, colours),
+  (canvas, colours) => drawTimeline(canvas, report.pieces, state.window, colours),
   (t) => {
     const piece = report.pieces.length ? pieceAt(t) : null;
     return piece
