@@ -10,7 +10,7 @@ use iiwa_files::interrupt;
 use iiwa_optimise::Optimiser;
 use iiwa_plan::{Error, Plan};
 use iiwa_report::carried;
-use iiwa_scene::{AllowedClearances, ArmInScene};
+use iiwa_scene::{AllowedClearances, ArmInScene, Scene};
 use iiwa_traj::{PlanError, SweepOptions, Trajectory};
 
 use crate::{
@@ -30,6 +30,7 @@ pub(crate) struct SearchedProgram<'a> {
     pub(crate) input: &'a Input,
     pub(crate) plan: &'a Plan,
     pub(crate) optimiser: Optimiser,
+    pub(crate) scene: Option<&'a Scene>,
     /// The clearances in the scene, if there is one.
     pub(crate) rule: Option<PathRule<'a>>,
 }
@@ -51,7 +52,8 @@ impl SearchedProgram<'_> {
         let optimiser = Optimiser::new(plan.robot().clone(), input.request.options)
             .with_max_blend_mm(options.max_blend_mm)
             .interrupted_by(interrupt::flag());
-        let search = SearchedProgram { input: &input, plan: &plan, optimiser, rule: None };
+        let search =
+            SearchedProgram { input: &input, plan: &plan, optimiser, scene: None, rule: None };
         let Some(scene) = &options.scene else { return work(search) };
         let scene = input::scene(scene)?;
         let shapes = carried(&input.source).map_err(|error| input.to_failure(&error))?;
@@ -67,7 +69,7 @@ impl SearchedProgram<'_> {
                 ))
             })?;
         let rule = |trajectory: &Trajectory| clearances.allow(trajectory);
-        work(SearchedProgram { rule: Some(&rule), ..search })
+        work(SearchedProgram { scene: Some(&scene), rule: Some(&rule), ..search })
     }
 
     /// Runs a search with its progress.

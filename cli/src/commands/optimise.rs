@@ -43,8 +43,7 @@ fn finish(options: &Optimise, mut search: SearchedProgram<'_>) -> Result<(), Fai
     let differences = DifferenceReport::new(&search.plan.into(), &PlanVersion::from(&plan));
     let report = OptimumReport::new(&optimum, program, search.rule.is_some(), differences);
     // Before the program is written: a page may fail.
-    let inputs = [search.input, &changed];
-    let html = options.page.as_ref().map(|_| page(options, inputs, &report)).transpose()?;
+    let html = options.page.as_ref().map(|_| page(&search, &changed, &report)).transpose()?;
     write(options, &changed)?;
     if let (Some(path), Some(html)) = (&options.page, html) {
         output::write(path, html.as_bytes())?;
@@ -153,17 +152,17 @@ fn keep_existing(options: &Optimise) -> Result<(), Failure> {
 
 /// Returns the page with the plans before and after the changes.
 fn page(
-    options: &Optimise,
-    [before, after]: [&Input; 2],
+    search: &SearchedProgram<'_>,
+    changed: &Input,
     report: &OptimumReport,
 ) -> Result<String, Failure> {
-    let scene = options.search.scene.as_deref().map(input::scene).transpose()?;
+    let scene = search.scene.cloned();
     let how = PageOptions { scene, interrupted: interrupt::has_come, ..PageOptions::default() };
     let plan = |title: &str, Input { source, request, .. }: &Input| {
         Page::of_program(title, source, request, &how)
     };
-    let title = Path::new(&before.name).file_name().unwrap_or_default().to_string_lossy();
-    let plans = [plan("before", before)?, plan("after", after)?];
+    let title = Path::new(&search.input.name).file_name().unwrap_or_default().to_string_lossy();
+    let plans = [plan("before", search.input)?, plan("after", changed)?];
     Ok(pair_page(&title, plans.each_ref(), &report.changes())?)
 }
 

@@ -7,7 +7,7 @@ pub(crate) mod joint_curve;
 mod knot_rates;
 pub(crate) mod leg;
 mod link;
-mod quintic;
+pub(crate) mod quintic;
 mod reversal;
 mod site;
 mod spline;

@@ -7,6 +7,7 @@ use iiwa_kin::{Joint, Joints, Limits, Number, Taylor, vector::norm};
 use crate::{
     cartesian::{
         joint_curve::{CurveFault, JointCurve, MovingJoints, ToolMotion},
+        quintic::powers_within,
         tcp_course::tool_way_of,
     },
     segment::{Derivatives, Segment, ToolWay},
@@ -152,7 +153,7 @@ impl JointSpline {
         for index in first..=last {
             let start = if index == first { share(index, from) } else { 0.0 };
             let end = if index == last { share(index, to) } else { 1.0 };
-            part.pieces.push(within(&self.pieces[index], [start, end]));
+            part.pieces.push(powers_within(self.pieces[index], [start, end]));
             part.breaks.push((ends(index)[1] - from) / (to - from));
         }
         if let Some(end) = part.breaks.last_mut() {
@@ -390,29 +391,6 @@ const HERMITE: [[f64; 4]; 4] = [
     [70.0, -34.0, 13.0, -3.0],
     [-20.0, 10.0, -4.0, 1.0],
 ];
-
-/// Returns the polynomials of a piece between two of its shares.
-fn within(piece: &PieceCoefficients, [from, to]: [f64; 2]) -> PieceCoefficients {
-    if [from, to] == [0.0, 1.0] {
-        return *piece;
-    }
-    let mut moved = *piece;
-    // Taylor shift by `from`: synthetic division, once per power.
-    for k in 0..7 {
-        for i in (k..7).rev() {
-            let next = moved[i + 1];
-            for (coefficient, next) in moved[i].iter_mut().zip(next) {
-                *coefficient += from * next;
-            }
-        }
-    }
-    let mut scale = 1.0;
-    for power in &mut moved {
-        *power = power.map(|coefficient| scale * coefficient);
-        scale *= to - from;
-    }
-    moved
-}
 
 fn value(piece: &PieceCoefficients, share: f64) -> Joints {
     let [rest @ .., last] = piece;

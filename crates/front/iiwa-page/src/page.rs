@@ -17,7 +17,8 @@ use crate::PageError;
 pub(crate) type PagePart = (&'static str, &'static str);
 
 /// Parts of all pages.
-const PARTS: [PagePart; 12] = [
+const PARTS: [PagePart; 13] = [
+    ("<!--head-->", include_str!("page/head.html")),
     ("/*style.css*/", include_str!("page/style.css")),
     ("/*basics.js*/", include_str!("page/basics.js")),
     ("/*poses.js*/", include_str!("page/poses.js")),

@@ -56,24 +56,31 @@ impl<const N: usize> Quintic<N> {
 
     /// Reparameterises the curve to a part of its interval, in reverse if `to` is below `from`.
     pub(crate) fn part(&self, [from, to]: [f64; 2]) -> Self {
-        // Repeated synthetic division by x - from gives the powers of x - from. Then x - from = (to
-        // - from) share.
-        let mut powers = self.0;
-        for lowest in 0..5 {
-            for k in (lowest..5).rev() {
-                let higher = powers[k + 1];
-                for (power, higher) in powers[k].iter_mut().zip(higher) {
-                    *power += from * higher;
-                }
+        Self(powers_within(self.0, [from, to]))
+    }
+}
+
+/// Coefficients of polynomials, lowest power first, in the share of a part of their interval.
+pub(crate) fn powers_within<const N: usize, const COUNT: usize>(
+    mut powers: [[f64; N]; COUNT],
+    [from, to]: [f64; 2],
+) -> [[f64; N]; COUNT] {
+    // Repeated synthetic division by x - from gives the powers of x - from. Then x - from = (to -
+    // from) share.
+    for lowest in 0..COUNT - 1 {
+        for k in (lowest..COUNT - 1).rev() {
+            let higher = powers[k + 1];
+            for (power, higher) in powers[k].iter_mut().zip(higher) {
+                *power += from * higher;
             }
         }
-        let mut scale = 1.0;
-        for power in &mut powers {
-            *power = power.map(|x| x * scale);
-            scale *= to - from;
-        }
-        Self(powers)
     }
+    let mut scale = 1.0;
+    for power in &mut powers {
+        *power = power.map(|x| x * scale);
+        scale *= to - from;
+    }
+    powers
 }
 
 /// A quantity along a path: a polynomial in a share w, which is itself a polynomial in the share s
