@@ -2,8 +2,8 @@
 
 use std::{borrow::Borrow, sync::Arc};
 
+use glam::DVec3 as Vector;
 use iiwa_kin::{Along, Joints, Pose, Robot, Solid};
-use parry3d_f64::{math::Vector, shape::SupportMap};
 
 use crate::{
     carried::CarriedBody,
@@ -297,16 +297,6 @@ impl PosedPart<'_> {
         self.center.dot(direction) - reach
     }
 
-    /// Transforms the part to another frame.
-    pub(crate) fn map(
-        &self,
-        point: impl Fn(Vector) -> Vector,
-        turn: impl Fn(Vector) -> Vector,
-    ) -> PosedPart<'_> {
-        let form = self.form.turned(&turn);
-        PosedPart { center: point(self.center), axis: turn(self.axis), form }
-    }
-
     /// Returns the three axes of a box or a hull; for other forms only the last one is set.
     fn axes(&self) -> [Vector; 3] {
         match self.form {
@@ -344,11 +334,9 @@ impl PosedPart<'_> {
             }
         }
     }
-}
 
-/// Support mapping: the farthest point along a direction, in the frame of the part.
-impl SupportMap for PosedPart<'_> {
-    fn local_support_point(&self, direction: Vector) -> Vector {
+    /// Returns the farthest point along `direction`, which may have any length.
+    pub(crate) fn support(&self, direction: Vector) -> Vector {
         match self.form {
             Volume::Ball { radius } => self.center + radius * direction.normalize_or_zero(),
             Volume::Box { half, .. } => {
@@ -362,6 +350,8 @@ impl SupportMap for PosedPart<'_> {
             Volume::Cylinder { radius, half } => {
                 let along = self.axis.dot(direction);
                 let across = direction - along * self.axis;
+                // Near the axis, rounding leaves a part along it, which is large for its length.
+                let across = across - self.axis.dot(across) * self.axis;
                 self.center + half.copysign(along) * self.axis + radius * across.normalize_or_zero()
             }
         }

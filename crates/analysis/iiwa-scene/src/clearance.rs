@@ -10,7 +10,7 @@ use crate::{
     arm::{self, ArmPart, PosedPart},
     arm_meshes::ArmMeshes,
     carried::{BodiesOfMotion, CarriedBodies},
-    distance::{Near, near, near_part, to_surface_part},
+    distance::{Near, near, near_convex, to_surface_part},
     links::{FIRST_LINK, may_touch},
     placed::Placed,
     placed_box::PlacedBox,
@@ -366,7 +366,7 @@ impl ArmInScene {
                 Placed::Mesh(mesh) => to_surface_part(body, &mesh.part(node), max_distance),
                 placed => near(body, placed, max_distance),
             },
-            ClearanceTarget::Part(other) => near_part(body, &bodies(other), max_distance),
+            ClearanceTarget::Part(other) => near_convex(body, &bodies(other), max_distance),
         }
     }
 
@@ -422,7 +422,7 @@ fn is_rigid(robot: &Robot, part: &ArmPart, other: &ArmPart) -> bool {
             .map(|prime| 2.0 * (f64::from(pose) * prime.sqrt()).fract() - 1.0);
         let poses = robot.link_poses(&robot.limits().at_shares(&shares));
         let [body, near] = [part, other].map(|it| it.at(&poses[it.link]));
-        near_part(&body, &near, f64::MAX).map_or(0.0, |near| near.distance)
+        near_convex(&body, &near, f64::MAX).map_or(0.0, |near| near.distance)
     };
     let first = distance(1);
     first > 0.0 && (2..=POSES).all(|pose| (distance(pose) - first).abs() < SAME_M)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use parry3d_f64::math::Vector;
+use glam::DVec3 as Vector;
 
 use crate::{
     extent::{MAX_M, MIN_SIZE_M},

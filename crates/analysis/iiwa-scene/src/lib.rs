@@ -58,6 +58,7 @@ mod collada;
 mod distance;
 mod extent;
 mod fault;
+mod gjk;
 mod hull;
 mod links;
 mod mesh;

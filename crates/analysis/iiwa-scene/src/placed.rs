@@ -1,6 +1,6 @@
 //! Obstacles, prepared for distance queries.
 
-use parry3d_f64::math::Vector;
+use glam::DVec3 as Vector;
 
 use crate::{
     arm::{PosedPart, Volume},
@@ -57,10 +57,7 @@ impl Placed {
     /// Returns the distance of `point` from the obstacle, for a mesh a lower bound of it; 0 inside.
     pub(crate) fn distance(&self, point: Vector) -> f64 {
         match self {
-            Self::Box(cuboid) => {
-                let local = cuboid.in_box_frame(point);
-                (local - cuboid.nearest(local)).length()
-            }
+            Self::Box(cuboid) => (point - cuboid.nearest(point)).length(),
             Self::Plane(plane) => (plane.normal.dot(point) - plane.offset).max(0.0),
             Self::Round(solid) => (point - solid.nearest(point)).length(),
             Self::Mesh(mesh) => mesh.lower_bound(point),

@@ -1,6 +1,6 @@
 //! Boxes as obstacles, and around other shapes.
 
-use parry3d_f64::math::Vector;
+use glam::DVec3 as Vector;
 
 /// Box by its centre, its axes and half of its edge lengths.
 #[derive(Clone, Copy, Debug)]
@@ -27,31 +27,27 @@ impl PlacedBox {
         Self { center: 0.5 * (low + high), axes, half: 0.5 * (high - low) }
     }
 
-    /// Transforms a point from the base frame to the box frame.
-    pub(crate) fn in_box_frame(&self, point: Vector) -> Vector {
-        self.turn_back(point - self.center)
-    }
-
     /// Transforms a direction from the base frame to the box frame.
-    pub(crate) fn turn_back(&self, direction: Vector) -> Vector {
+    fn turn_back(&self, direction: Vector) -> Vector {
         let [x, y, z] = self.axes;
         Vector::new(x.dot(direction), y.dot(direction), z.dot(direction))
     }
 
-    /// Transforms a point from the box frame to the base frame.
-    pub(crate) fn in_base_frame(&self, local: Vector) -> Vector {
-        self.center + self.turn(local)
-    }
-
     /// Transforms a direction from the box frame to the base frame.
-    pub(crate) fn turn(&self, local: Vector) -> Vector {
+    fn turn(&self, local: Vector) -> Vector {
         let [x, y, z] = self.axes;
         local.x * x + local.y * y + local.z * z
     }
 
-    /// Returns the point of the box nearest to `local`, both in the box frame.
-    pub(crate) fn nearest(&self, local: Vector) -> Vector {
-        local.clamp(-self.half, self.half)
+    /// Returns the point of the box nearest to `point`.
+    pub(crate) fn nearest(&self, point: Vector) -> Vector {
+        let local = self.turn_back(point - self.center);
+        self.center + self.turn(local.clamp(-self.half, self.half))
+    }
+
+    /// Returns the farthest point along `direction`, which may have any length.
+    pub(crate) fn support(&self, direction: Vector) -> Vector {
+        self.center + self.turn(self.half.copysign(self.turn_back(direction)))
     }
 
     /// Returns the largest `direction . x` of the box's points.

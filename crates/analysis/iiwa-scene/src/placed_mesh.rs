@@ -4,7 +4,7 @@
 //! to each of them. The tree excludes most triangles at once, because a box around some of them is
 //! convex as well, and nearer than all of them.
 
-use parry3d_f64::math::Vector;
+use glam::DVec3 as Vector;
 
 use crate::{placed_box::PlacedBox, polyhedron::Face, surface::TriangleSurface};
 

@@ -1,6 +1,6 @@
 //! Convex polyhedron, prepared for distance queries.
 
-use parry3d_f64::math::Vector;
+use glam::DVec3 as Vector;
 
 use crate::hull::ConvexHull;
 

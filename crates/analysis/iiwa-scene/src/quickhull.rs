@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use parry3d_f64::math::Vector;
+use glam::DVec3 as Vector;
 use robust::{Coord3D, orient3d};
 
 /// Reason why points have no hull.

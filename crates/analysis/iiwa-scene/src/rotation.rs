@@ -1,6 +1,6 @@
 //! Rotations and unit vectors.
 
-use parry3d_f64::math::Vector;
+use glam::DVec3 as Vector;
 
 /// Returns the rotation about x, then y, then z, the fixed axes of the reference frame, as three
 /// rows.

@@ -23,9 +23,9 @@
 
 use std::ops::Sub;
 
+use glam::DVec3 as Vector;
 use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_path::Segment;
-use parry3d_f64::math::Vector;
 
 use crate::{
     arm::{ArmPart, PosedPart},

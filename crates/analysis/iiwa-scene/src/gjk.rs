@@ -1,0 +1,157 @@
+//! Nearest points of two convex solids by the algorithm of Gilbert, Johnson and Keerthi (1988).
+//!
+//! The differences `body - other` of all pairs of points form a convex set, whose distance from the
+//! origin is that of the solids. A simplex of up to four of its corners approaches the origin: the
+//! corner farthest along the way from the simplex to the origin is added, and corners that do not
+//! support the nearest point of the new simplex are removed.
+
+use glam::DVec3 as Vector;
+
+/// Convex solid.
+pub(crate) trait Convex {
+    /// Returns the farthest point of the solid along `direction`, which may have any length.
+    fn support(&self, direction: Vector) -> Vector;
+
+    /// Returns the point of the solid nearest to `point`.
+    fn nearest(&self, point: Vector) -> Vector;
+
+    /// Returns the largest `direction . x` of the solid's points.
+    fn farthest_along(&self, direction: Vector) -> f64;
+}
+
+/// Accepted error of a distance, in m.
+pub(crate) const EXACT_M: f64 = 1e-7;
+
+/// Nearest points of two solids, as far as GJK finds them.
+pub(crate) enum Approach {
+    /// The solids are farther apart than the given distance.
+    Apart,
+    /// Nearest points of the body and of the other solid, to within [`EXACT_M`].
+    Nearest(Vector, Vector),
+    /// A point of the other solid: rounding has stopped the simplex on its way, or the solids
+    /// overlap.
+    Unproven(Vector),
+}
+
+/// Pair of points, one of each solid.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    on_body: Vector,
+    on_other: Vector,
+}
+
+impl Corner {
+    /// Returns the pair whose difference is farthest along `direction`.
+    fn farthest(body: &impl Convex, other: &impl Convex, direction: Vector) -> Self {
+        Self { on_body: body.support(direction), on_other: other.support(-direction) }
+    }
+
+    fn way(&self) -> Vector {
+        self.on_body - self.on_other
+    }
+}
+
+/// Maximum number of corners that are added. Most pairs need fewer than ten.
+const MAX_CORNERS: usize = 50;
+
+/// Searches the nearest points, beginning `from` the other solid to the body. It ends early if the
+/// solids are at least `max_distance` apart.
+pub(crate) fn approach(
+    body: &impl Convex,
+    other: &impl Convex,
+    from: Vector,
+    max_distance: f64,
+) -> Approach {
+    let mut nearest = Corner::farthest(body, other, -from);
+    let mut simplex = [nearest; 4];
+    let mut len = 1;
+    for _ in 0..MAX_CORNERS {
+        let way = nearest.way();
+        let length = way.length();
+        if length < EXACT_M {
+            break;
+        }
+        let corner = Corner::farthest(body, other, -way);
+        // A plane perpendicular to the way separates the solids by this distance.
+        let apart = way.dot(corner.way()) / length;
+        if apart >= max_distance {
+            return Approach::Apart;
+        }
+        if length - apart < EXACT_M {
+            return Approach::Nearest(nearest.on_body, nearest.on_other);
+        }
+        if len == simplex.len() {
+            break;
+        }
+        simplex[len] = corner;
+        let next;
+        (next, len) = reduce(&mut simplex, len);
+        if next.way().length_squared() >= length * length {
+            break;
+        }
+        nearest = next;
+    }
+    Approach::Unproven(nearest.on_other)
+}
+
+/// Returns the point nearest to the origin of a simplex, whose last corner is at `last`, and keeps
+/// the corners that it lies between, as well as their number.
+///
+/// Without the last corner, the nearest point is known, and the last corner is nearer: only faces
+/// of the simplex with this corner need a search. Each point that is found is one of the simplex,
+/// whatever is lost by rounding.
+fn reduce(simplex: &mut [Corner; 4], last: usize) -> (Corner, usize) {
+    let corner = simplex[last];
+    let from = corner.way();
+    let edges = simplex.map(|other| other.way() - from);
+    let mut best = (corner, 0);
+    let mut best_square = from.length_squared();
+    for face in 1..1_usize << last {
+        let mut chosen = [0; 3];
+        let mut size = 0;
+        for i in (0..last).filter(|i| face >> i & 1 == 1) {
+            chosen[size] = i;
+            size += 1;
+        }
+        let Some(shares) = shares(chosen.map(|i| edges[i]), size, from) else { continue };
+        let mut point = corner;
+        for (i, share) in chosen.into_iter().zip(shares).take(size) {
+            point.on_body += share * (simplex[i].on_body - corner.on_body);
+            point.on_other += share * (simplex[i].on_other - corner.on_other);
+        }
+        let square = point.way().length_squared();
+        if square < best_square {
+            (best, best_square) = ((point, face), square);
+        }
+    }
+    let (point, face) = best;
+    let mut kept = 0;
+    for i in (0..last).filter(|i| face >> i & 1 == 1) {
+        simplex[kept] = simplex[i];
+        kept += 1;
+    }
+    simplex[kept] = corner;
+    (point, kept + 1)
+}
+
+/// Returns the multiples of the first `size` edges from a corner at `from` that lead to the point
+/// of their line, plane or space nearest to the origin; none if it is not between the corners.
+fn shares([a, b, c]: [Vector; 3], size: usize, from: Vector) -> Option<[f64; 3]> {
+    let shares = match size {
+        1 => [-from.dot(a) / a.dot(a), 0.0, 0.0],
+        2 => {
+            let (aa, ab, bb) = (a.dot(a), a.dot(b), b.dot(b));
+            let (fa, fb) = (from.dot(a), from.dot(b));
+            let square = aa * bb - ab * ab;
+            [(fb * ab - fa * bb) / square, (fa * ab - fb * aa) / square, 0.0]
+        }
+        _ => {
+            let bc = b.cross(c);
+            let fa = from.cross(a);
+            [-from.dot(bc) / a.dot(bc), fa.dot(c) / a.dot(bc), -fa.dot(b) / a.dot(bc)]
+        }
+    };
+    // NaN, of a degenerate face, is not between any corners.
+    let is_between = shares.iter().all(|share| *share >= 0.0) && shares.iter().sum::<f64>() <= 1.0;
+    is_between.then_some(shares)
+}
