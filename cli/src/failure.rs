@@ -7,7 +7,9 @@ use iiwa_files::{OutputError, folder_of, interrupt};
 use iiwa_json::{JsonPlace, further_errors, printable, without_mark};
 use iiwa_page::PageError;
 use iiwa_program::{MAX_ERRORS, ProgramError};
-use iiwa_report::{ErrorRecord, ProgramErrors, ReportError, with_causes};
+#[cfg(feature = "live")]
+use iiwa_report::ExperimentError;
+use iiwa_report::{ErrorRecord, PictureError, ProgramErrors, with_causes};
 use iiwa_traj::{PlanError, TimingError};
 
 use crate::file_kind::{JsonKind, other_kind};
@@ -218,8 +220,15 @@ impl From<&PageError> for Failure {
     }
 }
 
-impl From<ReportError> for Failure {
-    fn from(error: ReportError) -> Self {
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
+        Self::broken(&error)
+    }
+}
+
+#[cfg(feature = "live")]
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
         if error.is_input() { Self::input(with_causes(&error)) } else { Self::broken(&error) }
     }
 }

@@ -10,14 +10,17 @@
 mod compare;
 mod estimate;
 mod exerted;
+#[cfg(feature = "experiments")]
 pub mod experiment;
 pub mod identify;
 mod least_squares;
+#[cfg(feature = "experiments")]
 mod load_planning;
 mod local_cubic;
 mod noise;
 mod plan_difference;
 mod quantile;
+#[cfg(feature = "experiments")]
 mod virtual_robot;
 
 pub use compare::{
@@ -25,9 +28,11 @@ pub use compare::{
     PlannedTrajectory, StopTime, TorqueDifference, TracePoint, compare,
 };
 pub use estimate::Estimate;
+#[cfg(feature = "experiments")]
 pub use load_planning::LoadPlanning;
 pub use local_cubic::local_cubic;
 pub use plan_difference::{
     GroupDifference, MotionDifference, PathChange, PlanDifference, PlanVersion,
 };
+#[cfg(feature = "experiments")]
 pub use virtual_robot::{VirtualRobot, VirtualRobotError};

@@ -13,6 +13,7 @@
 //!   tables.
 
 mod advice_report;
+mod causes;
 mod change_rows;
 mod comparison_report;
 mod difference_clearance;
@@ -20,8 +21,8 @@ mod difference_groups;
 mod difference_report;
 mod difference_summary;
 mod duration;
-mod error;
 mod error_record;
+#[cfg(feature = "experiments")]
 mod experiment;
 mod identification_report;
 #[cfg(feature = "sunrise")]
@@ -41,16 +42,17 @@ mod validation_report;
 mod warning;
 
 pub use advice_report::AdviceReport;
+pub use causes::with_causes;
 pub use change_rows::ChangeTable;
 pub use comparison_report::ComparisonReport;
 pub use difference_report::DifferenceReport;
 pub use difference_summary::{DifferenceSummary, ProgramDifference};
 pub use duration::long_duration;
-pub use error::{ReportError, with_causes};
 pub use error_record::{ErrorRecord, ProgramErrors};
+#[cfg(feature = "experiments")]
 pub use experiment::{
-    Bench, Chapter, ExperimentKind, TrialRun, VirtualArm, motion_warning, other_robot, preface,
-    wrapped,
+    Bench, Chapter, ExperimentError, ExperimentKind, TrialRun, VirtualArm, motion_warning,
+    other_robot, preface, wrapped,
 };
 pub use identification_report::IdentificationReport;
 #[cfg(feature = "sunrise")]

@@ -5,20 +5,14 @@ mod format;
 mod key;
 mod picture_error;
 mod plan;
-pub(crate) mod plot;
 #[cfg(feature = "png-pdf")]
 mod rendered;
 
 use plotters::{
     chart::ChartContext,
     coord::{Shift, cartesian::Cartesian2d, types::RangedCoordf64},
-    prelude::{
-        ChartBuilder, Color, DrawingArea, IntoDrawingArea, RGBColor, SVGBackend,
-        SeriesLabelPosition, WHITE,
-    },
+    prelude::{ChartBuilder, Color, DrawingArea, IntoDrawingArea, RGBColor, SVGBackend, WHITE},
 };
-
-use crate::ReportError;
 
 pub use comparison::draw as draw_comparison;
 pub use format::PictureFormat;
@@ -39,7 +33,7 @@ pub(crate) const COLOURS: [RGBColor; 7] = [
 pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);
 /// Colours of frame axes: x, y, z.
 const AXES: [RGBColor; 3] = [RGBColor(200, 40, 40), RGBColor(30, 140, 50), RGBColor(40, 90, 220)];
-const SHADE: RGBColor = RGBColor(225, 232, 240);
+pub(crate) const SHADE: RGBColor = RGBColor(225, 232, 240);
 
 /// Colours of planned or calculated, and of measured data: blue and red, as in the thesis (Larsen
 /// 2019, Fig. 22).
@@ -56,20 +50,21 @@ const HEIGHT: u32 = 900;
 
 /// Scale of the canvas: the backend draws in whole units, so the canvas is larger and the picture
 /// shows it reduced.
-const FINE: u32 = 4;
+pub(crate) const FINE: u32 = 4;
 
 /// Length of a line in a legend.
-const DASH: i32 = 72;
+pub(crate) const DASH: i32 = 72;
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type DrawResult = Result<(), Box<dyn std::error::Error>>;
-type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(crate) type DrawResult = Result<(), Box<dyn std::error::Error>>;
+pub(crate) type Chart<'a> =
+    ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Draws a picture of this size in pixels as SVG.
-fn svg(
+pub(crate) fn svg(
     [width, height]: [u32; 2],
     draw: impl FnOnce(&Area<'_>) -> DrawResult,
-) -> Result<String, ReportError> {
+) -> Result<String, PictureError> {
     let mut svg = String::new();
     {
         let root =
@@ -82,25 +77,12 @@ fn svg(
     Ok(svg.replacen(&size(FINE), &size(1), 1))
 }
 
-fn to_error(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ReportError {
-    ReportError::Draw { source: error.into() }
+fn to_error(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> PictureError {
+    PictureError::Drawing(error.into())
 }
 
-fn font() -> (&'static str, u32) {
+pub(crate) fn font() -> (&'static str, u32) {
     ("sans-serif", 15 * FINE)
-}
-
-fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> DrawResult {
-    chart
-        .configure_series_labels()
-        .position(position)
-        .legend_area_size(30 * FINE)
-        .margin(8 * FINE)
-        .background_style(WHITE.mix(0.85))
-        .border_style(SHADE.stroke_width(FINE))
-        .label_font(font())
-        .draw()?;
-    Ok(())
 }
 
 /// Returns the colour of a speed relative to its limit.

@@ -6,11 +6,8 @@ use iiwa_path::{BlendShape, Continuity, JointPath, PathOptions, PolynomialBlend,
 use plotters::prelude::SeriesLabelPosition;
 
 use crate::{
-    ReportError,
-    picture::{
-        INK, MEASURED, PLANNED,
-        plot::{Plot, PlotPoint, draw},
-    },
+    ExperimentError,
+    picture::{INK, MEASURED, PLANNED},
 };
 
 use super::{
@@ -18,6 +15,7 @@ use super::{
     chapter::Chapter,
     evaluation::{identified, left_out, path},
     kappa_plots::kappa_plots,
+    plot::{Plot, PlotPoint, draw},
 };
 
 /// Motions per corner: to the corner, on to a target on the circle, and back to the start.
@@ -32,7 +30,7 @@ const SHOWN: usize = 9;
 /// Values of kappa in Fig. 18.
 const KAPPAS: [f64; 5] = [-8.0, -4.0, 0.0, 4.0, 7.5];
 
-pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ExperimentError> {
     let mut chapter =
         Chapter::new("The curve of blends: sections 4.2 and 4.3, Fig. 15 to 18, 20, 21");
     let Some(run) = runs.first() else { return Ok(chapter) };
@@ -109,7 +107,11 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
 }
 
 /// Adds kappa over gamma: Fig. 20.
-fn kappa(bench: &Bench, chapter: &mut Chapter, identified: &Identified) -> Result<(), ReportError> {
+fn kappa(
+    bench: &Bench,
+    chapter: &mut Chapter,
+    identified: &Identified,
+) -> Result<(), ExperimentError> {
     let Some(kappa) = &identified.kappa else {
         chapter.paragraph("Too few blends were found for kappa(gamma).");
         return Ok(());
@@ -166,7 +168,7 @@ fn corners(
     bench: &Bench,
     run: &TrialRun,
     identified: &Identified,
-) -> Result<Vec<MeasuredCorner>, ReportError> {
+) -> Result<Vec<MeasuredCorner>, ExperimentError> {
     let path = path(bench, &run.trial, PathOptions::default())?;
     let log = &run.log;
     let mut from_s = log.t_s.first().copied().unwrap_or_default();
@@ -263,7 +265,7 @@ fn distance(p: PlotPoint, a: PlotPoint, b: PlotPoint) -> f64 {
 fn overview(
     corners: &[MeasuredCorner],
     calculated: &[Vec<PlotPoint>],
-) -> Result<String, ReportError> {
+) -> Result<String, ExperimentError> {
     let measured: Vec<_> = corners.iter().map(|corner| corner.measured.clone()).collect();
     let Some(corner) = corners.first() else { return Ok(String::new()) };
     let plot = |caption: &str, [red, blue]: [&str; 2]| {
@@ -283,7 +285,7 @@ fn overview(
 }
 
 /// Draws one blend with different kappa: Fig. 18.
-fn effect(corner: &MeasuredCorner) -> Result<String, ReportError> {
+fn effect(corner: &MeasuredCorner) -> Result<String, ExperimentError> {
     let way = |from: &Joints, to: &Joints| -> Joints { std::array::from_fn(|j| to[j] - from[j]) };
     let scaled = |way: Joints| {
         let length = way.iter().map(|v| v * v).sum::<f64>().sqrt();

@@ -7,18 +7,13 @@ use iiwa_eval::{
 use iiwa_traj::{SweepOptions, Timing};
 use plotters::prelude::{RGBColor, SeriesLabelPosition};
 
-use crate::{
-    ReportError,
-    picture::{
-        COLOURS,
-        plot::{Plot, PlotPoint, draw},
-    },
-};
+use crate::{ExperimentError, picture::COLOURS};
 
 use super::{
     bench::{Bench, TrialRun},
     chapter::Chapter,
     evaluation::planned,
+    plot::{Plot, PlotPoint, draw},
 };
 
 /// Colours of the time parameterisations: acceleration, jerk.
@@ -98,7 +93,7 @@ impl Case {
     }
 }
 
-pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ExperimentError> {
     let cases = evaluate(bench, runs)?;
     let paths = cases.iter().map(|case| case.path + 1).max().unwrap_or_default();
     let mut chapter = Chapter::new("Errors of the cycle time: section 5.1.2, Fig. 23 to 25");
@@ -173,18 +168,18 @@ pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, Repor
     Ok(chapter)
 }
 
-fn evaluate(bench: &Bench, runs: &[TrialRun]) -> Result<Vec<Case>, ReportError> {
+fn evaluate(bench: &Bench, runs: &[TrialRun]) -> Result<Vec<Case>, ExperimentError> {
     let measured = runs.iter().map(|TrialRun { trial, log }| {
         let jerk = planned(&bench.model, trial, Timing::jerk_limited())?;
         let acceleration =
             planned(&bench.model, trial, Timing::Acceleration(SweepOptions::default()))?
                 .cycle_time_s();
         let compared = compare(&PlannedTrajectory::from_trajectory(&jerk), log)
-            .map_err(|source| ReportError::Compare { name: trial.name.clone(), source })?;
+            .map_err(|source| ExperimentError::Compare { name: trial.name.clone(), source })?;
         let real_s = compared.cycle_time.real_s;
         Ok((real_s, [acceleration - real_s, jerk.cycle_time_s() - real_s]))
     });
-    let measured: Vec<_> = measured.collect::<Result<_, ReportError>>()?;
+    let measured: Vec<_> = measured.collect::<Result<_, ExperimentError>>()?;
     // Path numbers start with the first path.
     let all = cases(5).into_iter().filter_map(|(over, case)| {
         let name = case.trial(&bench.model, bench.seed).name;
@@ -209,7 +204,7 @@ fn mean(cases: &[&Case], quantity: impl Fn(&Case) -> f64) -> f64 {
     cases.iter().map(|case| quantity(case)).sum::<f64>() / cases.len() as f64
 }
 
-fn figure(over: Over, axis: &str, cases: &[&Case]) -> Result<String, ReportError> {
+fn figure(over: Over, axis: &str, cases: &[&Case]) -> Result<String, ExperimentError> {
     let grouped = by_value(cases);
     // Corner without lines.
     let legend_at = match over {

@@ -9,15 +9,15 @@ use iiwa_path::{JointPath, PathOptions};
 use iiwa_plan::PlanOptions;
 use iiwa_traj::{Timing, Trajectory};
 
-use crate::ReportError;
+use crate::ExperimentError;
 
 use super::bench::{Bench, TrialRun};
 
 /// Identifies the robot from the recordings.
-pub(super) fn identified(bench: &Bench, runs: &[TrialRun]) -> Result<Identified, ReportError> {
+pub(super) fn identified(bench: &Bench, runs: &[TrialRun]) -> Result<Identified, ExperimentError> {
     let recordings: Vec<_> =
         runs.iter().map(|run| RecordedRun { program: &run.trial.program, log: &run.log }).collect();
-    identify(&recordings, &bench.model).map_err(|source| ReportError::Identify { source })
+    identify(&recordings, &bench.model).map_err(|source| ExperimentError::Identify { source })
 }
 
 /// Reports the unused parts of the recordings.
@@ -48,9 +48,9 @@ pub(super) fn path(
     bench: &Bench,
     trial: &Trial,
     options: PathOptions,
-) -> Result<JointPath, ReportError> {
+) -> Result<JointPath, ExperimentError> {
     JointPath::with_options(&trial.program, &bench.model, options)
-        .map_err(|source| ReportError::Path { name: trial.name.clone(), source })
+        .map_err(|source| ExperimentError::Path { name: trial.name.clone(), source })
 }
 
 /// Returns the plan of the program for a robot.
@@ -58,8 +58,8 @@ pub(super) fn planned(
     robot: &Robot,
     trial: &Trial,
     timing: Timing,
-) -> Result<Trajectory, ReportError> {
+) -> Result<Trajectory, ExperimentError> {
     PlanOptions::with_timing(timing)
         .plan(&trial.program, robot)
-        .map_err(|source| ReportError::Planning { name: trial.name.clone(), source })
+        .map_err(|source| ExperimentError::Planning { name: trial.name.clone(), source })
 }

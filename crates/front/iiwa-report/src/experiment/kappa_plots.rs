@@ -3,10 +3,8 @@
 use iiwa_eval::identify::Kappa;
 use plotters::prelude::SeriesLabelPosition;
 
-use crate::picture::{
-    COLOURS, MEASURED, PLANNED,
-    plot::{Plot, PlotPoint},
-};
+use super::plot::{Plot, PlotPoint};
+use crate::picture::{COLOURS, MEASURED, PLANNED};
 
 /// Plots kappa of each blend, the fitted polynomial and the model's polynomial; and the difference
 /// from the model. The two texts are labels of the model and the difference.

@@ -2,7 +2,7 @@
 
 use iiwa_eval::experiment::{self, TcpSeries, Trial};
 
-use crate::ReportError;
+use crate::ExperimentError;
 
 use super::{
     bench::{Bench, TrialRun},
@@ -97,9 +97,9 @@ impl ExperimentKind {
     ///
     /// # Errors
     ///
-    /// [`ReportError`] if the recordings do not show the subject of the experiment, or a picture
+    /// [`ExperimentError`] if the recordings do not show the subject of the experiment, or a picture
     /// cannot be drawn.
-    pub fn chapter(self, bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
+    pub fn chapter(self, bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ExperimentError> {
         match self {
             Self::Limits => limits::chapter(bench, runs),
             Self::Blends => blends::chapter(bench, runs),

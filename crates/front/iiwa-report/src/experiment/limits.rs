@@ -11,17 +11,15 @@ use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
 use iiwa_traj::{Timing, Trajectory};
 
 use crate::{
-    ReportError,
-    picture::{
-        MEASURED, PLANNED,
-        plot::{Plot, PlotPoint, draw},
-    },
+    ExperimentError,
+    picture::{MEASURED, PLANNED},
 };
 
 use super::{
     bench::{Bench, TrialRun},
     chapter::Chapter,
     evaluation::{identified, left_out, planned, spread},
+    plot::{Plot, PlotPoint, draw},
 };
 
 /// Means and standard deviations of Table 4, in deg/s^2, and Table 5, in deg/s^3.
@@ -41,7 +39,7 @@ const HALF_WINDOW_S: f64 = 0.02;
 
 const JOINTS: [&str; 7] = ["A1", "A2", "A3", "A4", "A5", "A6", "A7"];
 
-pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ExperimentError> {
     let identified = identified(bench, runs)?;
     let mut chapter = Chapter::new("Joint limits: Appendix A, Tables 4 and 5, Fig. 28");
     let poses = runs.len().saturating_sub(1);
@@ -150,7 +148,11 @@ fn table(
     chapter.table(&head, &rows);
 }
 
-fn figure(bench: &Bench, run: &TrialRun, line: &LineObservation) -> Result<String, ReportError> {
+fn figure(
+    bench: &Bench,
+    run: &TrialRun,
+    line: &LineObservation,
+) -> Result<String, ExperimentError> {
     let Some(joint) = line.joint.map(Joint::index) else { return Ok(String::new()) };
     let [start_s, end_s] = line.time_s;
     // The plan of the model for this motion alone.

@@ -3,7 +3,7 @@
 
 use iiwa_eval::experiment::{LoadEffect, LoadVerdict};
 
-use crate::ReportError;
+use crate::ExperimentError;
 
 use super::{
     bench::{Bench, TrialRun},
@@ -11,11 +11,11 @@ use super::{
     evaluation::{identified, left_out},
 };
 
-pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ExperimentError> {
     let identified = identified(bench, runs)?;
     let effect = LoadEffect::new(&identified, &bench.load, &bench.model).map_err(|source| {
         let name = runs.last().map_or_else(String::new, |run| run.trial.name.clone());
-        ReportError::Planning { name, source }
+        ExperimentError::Planning { name, source }
     })?;
     let load = &bench.load;
     let mut chapter = Chapter::new("What the planner makes of a load");

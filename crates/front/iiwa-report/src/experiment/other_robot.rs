@@ -7,7 +7,7 @@ use iiwa_eval::{
 };
 use iiwa_traj::{SweepOptions, Timing, Trajectory};
 
-use crate::ReportError;
+use crate::ExperimentError;
 
 use super::{
     bench::Bench, chapter::Chapter, evaluation::planned, kind::ExperimentKind,
@@ -29,8 +29,8 @@ const SETTLE_S: f64 = 0.065;
 ///
 /// # Errors
 ///
-/// [`ReportError`] if the virtual robot cannot run a program, or its recordings identify nothing.
-pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportError> {
+/// [`ExperimentError`] if the virtual robot cannot run a program, or its recordings identify nothing.
+pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ExperimentError> {
     let mut limits = *bench.model.limits();
     for j in 0..7 {
         limits.velocity_rad_s[j] *= VELOCITY[j];
@@ -56,8 +56,8 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportErr
     }
     let recordings: Vec<_> =
         runs.iter().map(|(trial, log)| RecordedRun { program: &trial.program, log }).collect();
-    let identified =
-        identify(&recordings, &bench.model).map_err(|source| ReportError::Identify { source })?;
+    let identified = identify(&recordings, &bench.model)
+        .map_err(|source| ExperimentError::Identify { source })?;
     let identified = identified.robot(&bench.model);
 
     let mut chapter = Chapter::new("A robot that is not the model");
@@ -74,7 +74,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportErr
             let log = arm.run(&trial)?;
             let by_identified = planned(&identified, &trial, Timing::jerk_limited())?;
             let compared = compare(&PlannedTrajectory::from_trajectory(&by_identified), &log)
-                .map_err(|source| ReportError::Compare { name: trial.name.clone(), source })?;
+                .map_err(|source| ExperimentError::Compare { name: trial.name.clone(), source })?;
             // From departure to arrival: a recording does not show the settle time at its end.
             let real_s = compared.arrival_s - compared.departure_s;
             let error = |plan: &Trajectory, settle_s: f64| {
@@ -92,7 +92,7 @@ pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ReportErr
                 format!("{:.3}", compared.joints_rad.max.to_degrees()),
             ])
         })
-        .collect::<Result<_, ReportError>>()?;
+        .collect::<Result<_, ExperimentError>>()?;
     chapter.table(
         &[
             "program",

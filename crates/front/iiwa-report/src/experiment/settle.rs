@@ -1,6 +1,6 @@
 //! Settle time (Larsen 2019, Appendix C, Table 6).
 
-use crate::ReportError;
+use crate::ExperimentError;
 
 use super::{
     bench::{Bench, TrialRun},
@@ -11,7 +11,7 @@ use super::{
 /// Mean and standard deviation, in s (Table 6).
 const THESIS_S: [f64; 2] = [0.049_608, 0.009_818];
 
-pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ExperimentError> {
     let identified = identified(bench, runs)?;
     let mut chapter = Chapter::new("The time to settle: Appendix C, Table 6");
     let points: usize = runs.iter().map(|run| run.trial.program.motions.len()).sum();

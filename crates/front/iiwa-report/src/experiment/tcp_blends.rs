@@ -6,11 +6,8 @@ use iiwa_path::{JointPath, PathOptions};
 use plotters::prelude::SeriesLabelPosition;
 
 use crate::{
-    ReportError,
-    picture::{
-        MEASURED, PLANNED,
-        plot::{Plot, PlotPoint, draw},
-    },
+    ExperimentError,
+    picture::{MEASURED, PLANNED},
 };
 
 use super::{
@@ -18,9 +15,10 @@ use super::{
     chapter::Chapter,
     evaluation::{identified, left_out, path},
     kappa_plots::kappa_plots,
+    plot::{Plot, PlotPoint, draw},
 };
 
-pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ExperimentError> {
     let mut chapter = Chapter::new("Blends of TCP paths: not in the thesis");
     let Some(run) = runs.first() else { return Ok(chapter) };
     let identified = identified(bench, runs)?;
@@ -56,7 +54,7 @@ fn corners(
     bench: &Bench,
     run: &TrialRun,
     identified: &Identified,
-) -> Result<Vec<Plot>, ReportError> {
+) -> Result<Vec<Plot>, ExperimentError> {
     let path = path(bench, &run.trial, PathOptions::default())?;
     let mut lengths_m: Vec<f64> = identified.tcp_blends.iter().map(|blend| blend.reach_m).collect();
     lengths_m.sort_by(|a, b| b.total_cmp(a));
@@ -100,7 +98,11 @@ fn calculated(path: &JointPath, blend: &TcpBlendObservation) -> Vec<PlotPoint> {
     (0..=100).map(|i| from_above(path, blend, &segment.at(f64::from(i) / 100.0).q)).collect()
 }
 
-fn kappa(bench: &Bench, chapter: &mut Chapter, identified: &Identified) -> Result<(), ReportError> {
+fn kappa(
+    bench: &Bench,
+    chapter: &mut Chapter,
+    identified: &Identified,
+) -> Result<(), ExperimentError> {
     let Some(kappa) = &identified.tcp_kappa else {
         chapter.paragraph("Too few blends were found for kappa(gamma).");
         return Ok(());

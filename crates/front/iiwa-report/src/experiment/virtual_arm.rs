@@ -5,7 +5,7 @@ use iiwa_kin::Robot;
 use iiwa_log::JointLog;
 use iiwa_program::Motion;
 
-use crate::ReportError;
+use crate::ExperimentError;
 
 /// Standard deviation of torques, in Nm, in programs with a load.
 const TORQUE_NOISE_NM: f64 = 0.1;
@@ -31,8 +31,8 @@ impl VirtualArm {
     ///
     /// # Errors
     ///
-    /// [`ReportError::VirtualRobot`] if the robot cannot run the program.
-    pub fn run(&self, trial: &Trial) -> Result<JointLog, ReportError> {
+    /// [`ExperimentError::VirtualRobot`] if the robot cannot run the program.
+    pub fn run(&self, trial: &Trial) -> Result<JointLog, ExperimentError> {
         // FNV-1a hash.
         let seed = trial.name.bytes().fold(self.seed ^ 0xcbf2_9ce4_8422_2325, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
@@ -45,6 +45,6 @@ impl VirtualArm {
         robot.period_s = self.rate_hz.recip();
         robot
             .run(&trial.program)
-            .map_err(|source| ReportError::VirtualRobot { name: trial.name.clone(), source })
+            .map_err(|source| ExperimentError::VirtualRobot { name: trial.name.clone(), source })
     }
 }

@@ -10,18 +10,15 @@ use iiwa_program::{Motion, Program};
 use plotters::prelude::SeriesLabelPosition;
 
 use crate::{
-    ReportError,
-    picture::{
-        INK,
-        plot::{Plot, PlotPoint, draw},
-        shade,
-    },
+    ExperimentError,
+    picture::{INK, shade},
 };
 
 use super::{
     bench::{Bench, TrialRun},
     chapter::Chapter,
     evaluation::path,
+    plot::{Plot, PlotPoint, draw},
 };
 
 /// Half of the window for differentiating samples, in s.
@@ -36,7 +33,7 @@ const TONES: u32 = 20;
 /// Indices of the moving joints.
 const MOVING: [usize; 3] = [1, 3, 5];
 
-pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ReportError> {
+pub(super) fn chapter(bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ExperimentError> {
     let mut chapter = Chapter::new("Velocity in blends: Appendix B, Fig. 29");
     let Some(TrialRun { trial, log }) = runs.first() else { return Ok(chapter) };
     chapter.paragraph(format!(
@@ -146,7 +143,7 @@ fn figure(
     speeds: &[Joints],
     blends: &[MeasuredBlend],
     program: &Program,
-) -> Result<String, ReportError> {
+) -> Result<String, ExperimentError> {
     let in_plane = |q: &Joints| {
         let [x, _, z] = bench.model.flange_position(q);
         (1e3 * x, 1e3 * z)

@@ -8,7 +8,7 @@ use super::{
     key::{LegendSign, title_and_legend},
     svg,
 };
-use crate::ReportError;
+use crate::PictureError;
 
 /// Number of points of the planned path.
 const POINTS: u32 = 8000;
@@ -17,8 +17,8 @@ const POINTS: u32 = 8000;
 ///
 /// # Errors
 ///
-/// [`ReportError::Draw`].
-pub fn draw(plan: &PlannedTrajectory, comparison: &Comparison) -> Result<String, ReportError> {
+/// [`PictureError::Drawing`].
+pub fn draw(plan: &PlannedTrajectory, comparison: &Comparison) -> Result<String, PictureError> {
     let mm = |m: [f64; 3]| m.map(|v| 1e3 * v);
     let planned: Vec<_> = (0..=POINTS)
         .map(|k| plan.at(plan.cycle_time_s() * f64::from(k) / f64::from(POINTS)))

@@ -1,9 +1,12 @@
-//! Errors of PNG and PDF pictures.
+//! Errors of pictures.
 
-/// Reason why a drawing is not written as PNG or PDF.
+/// Reason why a picture is not drawn, or not written as PNG or PDF.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PictureError {
+    /// The picture cannot be drawn.
+    #[error("cannot draw the picture")]
+    Drawing(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// The text needs a font.
     #[error(
         "this system has no fonts; install some, as the package fonts-dejavu-core, or draw a .svg"

@@ -12,7 +12,7 @@ use super::{
     key::{LegendEntry, LegendSign, title_and_legend},
     shade, svg,
 };
-use crate::ReportError;
+use crate::PictureError;
 
 /// Radius of the circles at blend ends.
 const DOT: i32 = 20;
@@ -125,8 +125,8 @@ impl PlanPicture {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Draw`].
-    pub fn draw(&self) -> Result<String, ReportError> {
+    /// [`PictureError::Drawing`].
+    pub fn draw(&self) -> Result<String, PictureError> {
         let height = if self.has_frames { HEIGHT + TCP_HEIGHT } else { HEIGHT };
         svg([WIDTH, height], |root| {
             let (top, bottom) = root.split_vertically(FINE * HEIGHT * 3 / 5);

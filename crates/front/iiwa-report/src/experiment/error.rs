@@ -1,18 +1,18 @@
-//! Errors of pictures and reports.
-
-use std::{error::Error, fmt::Write as _};
+//! Errors of experiments.
 
 use iiwa_eval::{CompareError, VirtualRobotError, identify::IdentifyError};
 use iiwa_program::Fault;
 use iiwa_traj::PlanError;
 
-/// Reason why a picture or a report cannot be created.
+use crate::PictureError;
+
+/// Reason why the report of an experiment cannot be created.
 ///
-/// As usual, a message does not repeat its [source](Error::source); [`with_causes`] returns all of
-/// them.
+/// As usual, a message does not repeat its [source](std::error::Error::source);
+/// [`with_causes`](crate::with_causes) returns all of them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ReportError {
+pub enum ExperimentError {
     /// A program contains a motion that the robot cannot perform.
     #[error("{name}")]
     Path {
@@ -51,30 +51,19 @@ pub enum ReportError {
         /// Cause.
         source: CompareError,
     },
-    /// A picture cannot be drawn.
-    #[error("cannot draw the picture")]
-    Draw {
+    /// A figure cannot be drawn.
+    #[error("cannot draw a figure")]
+    Figure {
         /// Cause.
-        source: Box<dyn Error + Send + Sync>,
+        #[from]
+        source: PictureError,
     },
 }
 
-impl ReportError {
+impl ExperimentError {
     /// Returns true if the input is at fault, rather than an internal or environmental failure.
     #[must_use]
     pub fn is_input(&self) -> bool {
         matches!(self, Self::Path { .. } | Self::Planning { source: PlanError::Fault(_), .. })
     }
-}
-
-/// Formats an error and all its causes in one line.
-#[must_use]
-pub fn with_causes(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(error) = source {
-        let _ = write!(text, ": {error}");
-        source = error.source();
-    }
-    text
 }

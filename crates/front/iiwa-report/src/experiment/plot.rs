@@ -6,10 +6,9 @@ use plotters::prelude::{
     ChartBuilder, Circle, Color, PathElement, Polygon, RGBColor, SeriesLabelPosition, Text, WHITE,
 };
 
-use crate::{
-    ReportError,
-    picture::{Area, DASH, DrawResult, FINE, INK, SHADE, font, legend, svg},
-};
+use crate::picture::{Area, Chart, DASH, DrawResult, FINE, INK, SHADE, font, svg};
+
+use super::error::ExperimentError;
 
 /// Radius of a circle.
 const DOT: i32 = 20;
@@ -259,14 +258,28 @@ pub(crate) fn draw(
     columns: usize,
     width: u32,
     height: u32,
-) -> Result<String, ReportError> {
+) -> Result<String, ExperimentError> {
     let rows = plots.len().div_ceil(columns.max(1));
-    svg([width, height], |root| {
+    let drawn = svg([width, height], |root| {
         for (area, plot) in root.split_evenly((rows, columns)).iter().zip(plots) {
             plot.draw(area)?;
         }
         Ok(())
-    })
+    });
+    Ok(drawn?)
+}
+
+fn legend(chart: &mut Chart<'_>, position: SeriesLabelPosition) -> DrawResult {
+    chart
+        .configure_series_labels()
+        .position(position)
+        .legend_area_size(30 * FINE)
+        .margin(8 * FINE)
+        .background_style(WHITE.mix(0.85))
+        .border_style(SHADE.stroke_width(FINE))
+        .label_font(font())
+        .draw()?;
+    Ok(())
 }
 
 /// Returns the number of decimals that distinguish the numbers along an axis.
