@@ -35,12 +35,12 @@ pub(crate) enum Approach {
 
 /// Pair of points, one of each solid.
 #[derive(Clone, Copy, Default)]
-struct Corner {
+struct CornerPair {
     on_body: Vector,
     on_other: Vector,
 }
 
-impl Corner {
+impl CornerPair {
     /// Returns the pair whose difference is farthest along `direction`.
     fn farthest(body: &impl Convex, other: &impl Convex, direction: Vector) -> Self {
         Self { on_body: body.support(direction), on_other: other.support(-direction) }
@@ -62,7 +62,7 @@ pub(crate) fn approach(
     from: Vector,
     max_distance: f64,
 ) -> Approach {
-    let mut nearest = Corner::farthest(body, other, -from);
+    let mut nearest = CornerPair::farthest(body, other, -from);
     let mut simplex = [nearest; 4];
     let mut len = 1;
     for _ in 0..MAX_CORNERS {
@@ -71,7 +71,7 @@ pub(crate) fn approach(
         if length < EXACT_M {
             break;
         }
-        let corner = Corner::farthest(body, other, -way);
+        let corner = CornerPair::farthest(body, other, -way);
         // A plane perpendicular to the way separates the solids by this distance.
         let apart = way.dot(corner.way()) / length;
         if apart >= max_distance {
@@ -94,13 +94,14 @@ pub(crate) fn approach(
     Approach::Unproven(nearest.on_other)
 }
 
-/// Returns the point nearest to the origin of a simplex, whose last corner is at `last`, and keeps
-/// the corners that it lies between, as well as their number.
+/// Returns the point of a simplex that is nearest to the origin; the last corner of the simplex has
+/// the index `last`. Keeps only the corners that span the face with this point, and returns their
+/// number.
 ///
-/// Without the last corner, the nearest point is known, and the last corner is nearer: only faces
-/// of the simplex with this corner need a search. Each point that is found is one of the simplex,
-/// whatever is lost by rounding.
-fn reduce(simplex: &mut [Corner; 4], last: usize) -> (Corner, usize) {
+/// The nearest point of the other corners is known already, and the last corner leads beyond it, so
+/// that only faces with the last corner are searched. Whatever is lost by rounding, the result is a
+/// point of the simplex.
+fn reduce(simplex: &mut [CornerPair; 4], last: usize) -> (CornerPair, usize) {
     let corner = simplex[last];
     let from = corner.way();
     let edges = simplex.map(|other| other.way() - from);

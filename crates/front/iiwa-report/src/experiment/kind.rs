@@ -97,7 +97,7 @@ impl ExperimentKind {
     ///
     /// # Errors
     ///
-    /// [`ExperimentError`] if the recordings do not show the subject of the experiment, or a picture
+    /// [`ExperimentError`] if the recordings do not show the subject of the experiment, or a figure
     /// cannot be drawn.
     pub fn chapter(self, bench: &Bench, runs: &[TrialRun]) -> Result<Chapter, ExperimentError> {
         match self {

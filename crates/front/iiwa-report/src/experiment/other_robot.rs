@@ -29,7 +29,8 @@ const SETTLE_S: f64 = 0.065;
 ///
 /// # Errors
 ///
-/// [`ExperimentError`] if the virtual robot cannot run a program, or its recordings identify nothing.
+/// [`ExperimentError`] if the virtual robot cannot run a program, or if its recordings identify
+/// nothing.
 pub fn other_robot(bench: &Bench, arm: &VirtualArm) -> Result<Chapter, ExperimentError> {
     let mut limits = *bench.model.limits();
     for j in 0..7 {
