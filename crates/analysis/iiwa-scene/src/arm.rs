@@ -351,7 +351,9 @@ impl PosedPart<'_> {
                 let along = self.axis.dot(direction);
                 let across = direction - along * self.axis;
                 // Near the axis, rounding leaves a part along it, which is large for its length.
+                let is_along = across.length_squared() < 1e-24 * direction.length_squared();
                 let across = across - self.axis.dot(across) * self.axis;
+                let across = if is_along { Vector::ZERO } else { across };
                 self.center + half.copysign(along) * self.axis + radius * across.normalize_or_zero()
             }
         }

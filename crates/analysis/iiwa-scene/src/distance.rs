@@ -4,7 +4,7 @@ use glam::DVec3 as Vector;
 
 use crate::{
     arm::{PosedPart, Volume},
-    gjk::{Approach, Convex, EXACT_M, approach},
+    gjk::{Approach, Convex, EXACT_M, apart, approach},
     placed::{Placed, PlacedPlane},
     placed_box::PlacedBox,
     placed_mesh::{PlacedMesh, SurfacePart},
@@ -153,13 +153,6 @@ pub(crate) fn near_convex(
     }
 }
 
-/// Returns the separation of both solids along `way`, a unit vector from the other solid to the
-/// body: a lower bound of their distance. If it is positive, a plane perpendicular to `way`
-/// separates them.
-fn apart(body: &impl Convex, other: &impl Convex, way: Vector) -> f64 {
-    -body.farthest_along(-way) - other.farthest_along(way)
-}
-
 /// Returns the nearest points of both solids, from a point of `other` close to the solution; a
 /// common point, twice, if there is one.
 ///
@@ -205,7 +198,7 @@ mod tests {
     use std::f64::consts::{FRAC_PI_4, TAU};
 
     use super::*;
-    use crate::{hull::ConvexHull, polyhedron::Polyhedron, scene::Form};
+    use crate::{hull::ConvexHull, polyhedron::Polyhedron};
 
     /// Draws random rotations, every third one in steps of 45 degrees: simplices degenerate for
     /// parallel faces and axes.
@@ -240,45 +233,98 @@ mod tests {
         (0..61).map(hull).collect()
     }
 
-    /// The points are on both solids, and a separating plane proves that none are nearer.
+    /// Solid for a test: a cylinder, a box or a hull.
+    fn solid<'a>(
+        kind: usize,
+        turn: [f64; 3],
+        center: Vector,
+        hull: &'a Polyhedron,
+        mut between: impl FnMut(f64, f64) -> f64,
+    ) -> PosedPart<'a> {
+        let rows = crate::rotation::rotation(turn);
+        let [x, y, axis] = [0, 1, 2].map(|k| rows.map(|row| row[k]).into());
+        let form = match kind {
+            0 => Volume::Cylinder { radius: between(0.04, 0.12), half: between(0.005, 0.2) },
+            1 => {
+                let half = [(); 3].map(|()| between(0.005, 0.2)).into();
+                Volume::Box { sides: [x, y], half }
+            }
+            _ => Volume::Hull { sides: [x, y], hull },
+        };
+        PosedPart { center, axis, form }
+    }
+
+    /// Checks a result: the points are on both solids, and a separating plane proves that none are
+    /// nearer. Returns whether the solids are apart.
+    fn check(body: &PosedPart<'_>, other: &impl Convex, near: &Near) -> bool {
+        let [off_body, off_other] = [
+            (body.nearest(near.on_part) - near.on_part).length(),
+            (other.nearest(near.on_other) - near.on_other).length(),
+        ];
+        assert!(off_other < 1e-8, "{off_other}: {near:?}");
+        let is_apart = near.distance > 0.0;
+        if is_apart {
+            let expected = body.nearest_along(near.away) - other.farthest_along(near.away);
+            let error = (near.distance - expected).abs();
+            assert!(off_body < 1e-8 && error < 1.1 * EXACT_M, "{error}, {off_body}: {near:?}");
+        } else {
+            assert!(off_body < 1e-4, "{off_body}: {near:?}");
+        }
+        // A bound just beyond the distance changes nothing; below it, the pair may be left out.
+        if let Some(bound) = near_convex(body, other, near.distance - 1e-6) {
+            assert!((bound.distance - near.distance).abs() < 2.1 * EXACT_M, "{bound:?} {near:?}");
+        }
+        let within = near_convex(body, other, near.distance + 1e-6).unwrap();
+        let difference = (within.distance - near.distance).abs();
+        assert!(difference < 2.1 * EXACT_M || !is_apart, "{within:?} {near:?}");
+        is_apart
+    }
+
+    /// Every third pair has axes in steps of 45 degrees; of these, every fourth pair has one axis.
     #[test]
     fn nearest_points_are_the_nearest() {
         let mut random = fastrand::Rng::with_seed(1);
         let (mut apart, mut touching) = (0, 0);
         let hulls = hulls(&mut random);
-        for i in 0..300_000 {
+        for i in 0..200_000 {
             let turns = [(); 2].map(|()| turn(&mut random, i % 3 == 0));
             let mut between = |from: f64, to: f64| from + (to - from) * random.f64();
-            let axis = crate::rotation::rotation(turns[0]).map(|row| row[2]).into();
-            let rows = crate::rotation::rotation(turns[0]);
-            let sides = [0, 1].map(|k| rows.map(|row| row[k]).into());
-            let form = match i % 4 {
-                0 | 2 => {
-                    Volume::Cylinder { radius: between(0.04, 0.12), half: between(0.005, 0.2) }
-                }
-                1 => Volume::Box { sides, half: [(); 3].map(|()| between(0.005, 0.2)).into() },
-                _ => Volume::Hull { sides, hull: &hulls[i % hulls.len()] },
-            };
             let center = [(); 3].map(|()| between(-1.0, 1.0)).into();
-            let body = PosedPart { center, axis, form };
+            let hull = |i: usize| &hulls[i % hulls.len()];
+            let mut body = solid(i % 4, turns[0], center, hull(i), &mut between);
+            let mut count = |is_apart: bool| {
+                if is_apart { apart += 1 } else { touching += 1 }
+            };
             let size_m = [1.0, 1.5, 2.0].map(|max_size| between(0.005, max_size));
-            let form = Form::Box { center_m: [0.0; 3], size_m, rpy_rad: turns[1] };
-            let obstacle = Placed::new(&form);
-            let near = near(&body, &obstacle, f64::MAX).unwrap();
-            let off_arm = (body.nearest(near.on_part) - near.on_part).length();
-            assert!(obstacle.distance(near.on_other) < 1e-8, "{near:?}");
-            if near.distance > 0.0 {
-                apart += 1;
-                let expected = body.nearest_along(near.away) - obstacle.farthest_along(near.away);
-                assert!(
-                    off_arm < 1e-8 && (near.distance - expected).abs() < 1.1 * EXACT_M,
-                    "{near:?}, {off_arm}"
-                );
-            } else {
-                touching += 1;
-                assert!(off_arm < 1e-4, "{off_arm}: {near:?}");
+            let rows = crate::rotation::rotation(turns[1]);
+            let cuboid = PlacedBox::new([0.0; 3], size_m, rows);
+            count(check(&body, &cuboid, &near_convex(&body, &cuboid, f64::MAX).unwrap()));
+            let other = solid(i / 4 % 3, turns[1], Vector::ZERO, hull(7 * i + 1), &mut between);
+            if i % 12 == 0 {
+                body =
+                    PosedPart { axis: other.axis, center: between(-1.0, 1.0) * other.axis, ..body };
             }
+            count(check(&body, &other, &near_convex(&body, &other, f64::MAX).unwrap()));
         }
-        assert!(apart > 200_000 && touching > 20_000);
+        assert!(apart > 250_000 && touching > 20_000, "{apart} {touching}");
+    }
+
+    /// Along its axis, the farthest point of a cylinder is on a cap, whatever is lost by rounding.
+    #[test]
+    fn the_farthest_point_is_on_the_solid() {
+        let mut random = fastrand::Rng::with_seed(4);
+        for i in 0..20_000 {
+            let rows = crate::rotation::rotation(turn(&mut random, i % 2 == 0));
+            let axis = Vector::from(rows.map(|row| row[2]));
+            let form = Volume::Cylinder { radius: 0.1, half: 0.2 };
+            let part = PosedPart { center: Vector::ZERO, axis, form };
+            let noise = Vector::from([(); 3].map(|()| random.f64() - 0.5));
+            let direction =
+                (4.0 * random.f64() - 2.0) * axis + noise * [0.0, 1e-17, 1e-14, 1e-11, 1e-8][i % 5];
+            let farthest = PosedPart::support(&part, direction);
+            assert!((PosedPart::nearest(&part, farthest) - farthest).length() < 1e-9);
+            let short = PosedPart::farthest_along(&part, direction) - direction.dot(farthest);
+            assert!(short < 1e-12 * direction.length(), "{short}");
+        }
     }
 }

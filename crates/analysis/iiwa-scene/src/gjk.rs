@@ -24,7 +24,7 @@ pub(crate) const EXACT_M: f64 = 1e-7;
 
 /// Nearest points of two solids, as far as GJK finds them.
 pub(crate) enum Approach {
-    /// The solids are farther apart than the given distance.
+    /// The solids are at least the given distance apart.
     Apart,
     /// Nearest points of the body and of the other solid, to within [`EXACT_M`].
     Nearest(Vector, Vector),
@@ -54,15 +54,15 @@ impl CornerPair {
 /// Maximum number of corners that are added. Most pairs need fewer than ten.
 const MAX_CORNERS: usize = 50;
 
-/// Searches the nearest points, beginning `from` the other solid to the body. It ends early if the
-/// solids are at least `max_distance` apart.
+/// Searches for the nearest points. `first_way` leads from the other solid to the body. The search
+/// ends early if the solids are at least `max_distance` apart.
 pub(crate) fn approach(
     body: &impl Convex,
     other: &impl Convex,
-    from: Vector,
+    first_way: Vector,
     max_distance: f64,
 ) -> Approach {
-    let mut nearest = CornerPair::farthest(body, other, -from);
+    let mut nearest = CornerPair::farthest(body, other, -first_way);
     let mut simplex = [nearest; 4];
     let mut len = 1;
     for _ in 0..MAX_CORNERS {
@@ -72,13 +72,17 @@ pub(crate) fn approach(
             break;
         }
         let corner = CornerPair::farthest(body, other, -way);
-        // A plane perpendicular to the way separates the solids by this distance.
-        let apart = way.dot(corner.way()) / length;
-        if apart >= max_distance {
-            return Approach::Apart;
-        }
-        if length - apart < EXACT_M {
-            return Approach::Nearest(nearest.on_body, nearest.on_other);
+        let along = way.dot(corner.way()) / length;
+        if along >= max_distance || length - along < EXACT_M {
+            // A proof that does not use the corners, which rounding may have moved.
+            let apart = apart(body, other, way / length);
+            if apart >= max_distance {
+                return Approach::Apart;
+            }
+            if (length - apart).abs() < EXACT_M {
+                return Approach::Nearest(nearest.on_body, nearest.on_other);
+            }
+            break;
         }
         if len == simplex.len() {
             break;
@@ -92,6 +96,13 @@ pub(crate) fn approach(
         nearest = next;
     }
     Approach::Unproven(nearest.on_other)
+}
+
+/// Returns the separation of both solids along `way`, a unit vector from the other solid to the
+/// body: a lower bound of their distance. If it is positive, a plane perpendicular to `way`
+/// separates them.
+pub(crate) fn apart(body: &impl Convex, other: &impl Convex, way: Vector) -> f64 {
+    -body.farthest_along(-way) - other.farthest_along(way)
 }
 
 /// Returns the point of a simplex that is nearest to the origin; the last corner of the simplex has

@@ -11,6 +11,7 @@ use crate::{
     arm::PosedPart,
     clearance::{Among, ArmInScene, Clearance, ClearanceTarget, Pair},
     distance::Near,
+    gjk::EXACT_M,
     span::Span,
 };
 
@@ -30,8 +31,8 @@ pub struct PlannedClearance {
 /// Tolerance of the smallest distance, in m.
 const TOLERANCE_M: f64 = 1e-4;
 
-/// Difference below which distances count as equal, in m: at rest, they differ by rounding.
-const SAME_M: f64 = 1e-9;
+/// Difference below which distances count as equal, in m: at rest, each may have another error.
+const SAME_M: f64 = 2.0 * EXACT_M;
 
 /// Number of poses of each piece that are evaluated first: the smaller their clearance, the sooner
 /// the rest is excluded.

@@ -126,6 +126,49 @@ impl RowLimit for Vertical {
     }
 }
 
+/// Speed of the elbow, in m/s: its square is a multiple of the squared speed along the path.
+#[derive(Clone, Debug)]
+struct ElbowSpeed {
+    robot: Robot,
+    limit_m_s: f64,
+}
+
+impl ElbowSpeed {
+    /// Link whose origin is the elbow.
+    const LINK: usize = 4;
+
+    fn moved_m(&self, before_rad: &Joints, after_rad: &Joints) -> f64 {
+        let [before, after] =
+            [before_rad, after_rad].map(|q| self.robot.link_poses(q)[Self::LINK].position_m);
+        (0..3).map(|i| (after[i] - before[i]).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+impl PathLimit for ElbowSpeed {
+    fn of_step(&self, _: &JointPath, _: usize) -> Option<Box<dyn RowLimit>> {
+        Some(Box::new(self.clone()))
+    }
+
+    fn limit(&self, _: usize) -> Limit {
+        Limit::Other { name: "elbow speed", joint: None }
+    }
+}
+
+impl RowLimit for ElbowSpeed {
+    fn row_count(&self) -> usize {
+        1
+    }
+
+    fn rows(&self, joints: &[Joints], derivative: &[Joints], _: &[Joints]) -> Vec<PathRow> {
+        let row = |(q, one): (&Joints, &Joints)| {
+            let at = |t: f64| std::array::from_fn(|j| q[j] + t * one[j]);
+            let speed = self.moved_m(&at(-STEP), &at(STEP)) / (2.0 * STEP) / self.limit_m_s;
+            PathRow { acceleration: 0.0, square: speed * speed, offset: 0.0 }
+        };
+        joints.iter().zip(derivative).map(row).collect()
+    }
+}
+
 fn program() -> Program {
     Program::from_deg([0.0, 30.0, 0.0, -60.0, 0.0, 30.0, 0.0])
         .ptp_deg([20.0, 80.0, 20.0, -30.0, 0.0, 50.0, 10.0])
@@ -276,6 +319,29 @@ fn a_limit_of_one_motion_is_kept_there() {
         assert!(largest(&free, true) > 1.5 && largest(&limited, false) > 1.5);
         assert!(limited.cycle_time_s() > free.cycle_time_s());
         assert!(is_named(&limited, "vertical"));
+    }
+}
+
+/// A limit of a speed, whose rows have no acceleration term.
+#[test]
+fn a_speed_limit_is_kept() {
+    let robot = Robot::default();
+    let path = JointPath::new(&program(), &robot).unwrap();
+    let elbow = ElbowSpeed { robot, limit_m_s: 0.3 };
+    for timing in TIMINGS {
+        let free = plan(&path, timing(), &[]);
+        let limited = plan(&path, timing(), &[Arc::new(elbow.clone())]);
+        let largest = |trajectory: &Trajectory| {
+            let dt_s = 5e-4;
+            let states: Vec<_> = trajectory.samples(1.0 / dt_s).collect();
+            let speeds = states.windows(2).map(|two| elbow.moved_m(&two[0].q, &two[1].q) / dt_s);
+            speeds.fold(0.0, f64::max) / elbow.limit_m_s
+        };
+        let [free_share, share] = [&free, &limited].map(largest);
+        assert!(free_share > 1.3, "{}: {free_share}", timing().name());
+        assert!((0.98..1.005).contains(&share), "{}: {share}", timing().name());
+        assert!(limited.cycle_time_s() > free.cycle_time_s());
+        assert!(is_named(&limited, "elbow speed"));
     }
 }
 

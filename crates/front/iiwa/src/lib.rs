@@ -27,7 +27,7 @@
 //! | `log` | `log` | trajectories and recordings as MCAP files, trajectories also as CSV tables, recordings from other formats |
 //! | `parquet` | in `log` | trajectories as Parquet tables, recordings from Parquet |
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
-//! | `experiments` | in `eval` | experiments that identify a robot, and a virtual robot for them |
+//! | `experiments` | in `eval`, `report` | experiments that identify a robot, a virtual robot, reports |
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
 //! | `link` | `link` | the client of a drive |
 //! | `drive` | `drive` | the drive |

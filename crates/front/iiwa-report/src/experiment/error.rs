@@ -52,12 +52,8 @@ pub enum ExperimentError {
         source: CompareError,
     },
     /// A figure cannot be drawn.
-    #[error("cannot draw a figure")]
-    Figure {
-        /// Cause.
-        #[from]
-        source: PictureError,
-    },
+    #[error(transparent)]
+    Figure(#[from] PictureError),
 }
 
 impl ExperimentError {
