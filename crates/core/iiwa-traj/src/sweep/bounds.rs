@@ -90,7 +90,7 @@ impl<const R: usize> Bounds<R> {
 
     /// Sets the lines of further limits, after those of accelerations, from their `rows` by p.
     pub(super) fn set_rows(&mut self, rows: &[PathRow]) {
-        let Self { fall, rise, below, above, bend, .. } = self;
+        let Self { fall, rise, below, above, bend, cap, .. } = self;
         let [fall, rise, below, above] =
             [fall, rise, below, above].map(|lines| &mut lines.as_flattened_mut()[8..]);
         // Lines without a row do not constrain u.
@@ -100,12 +100,20 @@ impl<const R: usize> Bounds<R> {
         above.fill(UNLIMITED);
         for (line, row) in rows.iter().enumerate() {
             let PathRow { acceleration, square, offset } = *row;
+            *bend = max(*bend, square.abs());
+            if acceleration == 0.0 {
+                // The limit of a speed.
+                if square != 0.0 {
+                    let room = 1.0 - offset.copysign(offset * square);
+                    *cap = cap.min(room / square.abs());
+                }
+                continue;
+            }
             let inverse = 1.0 / acceleration.abs().max(MIN_INERTIA);
             let by_x = square.copysign(square * acceleration) * inverse;
             let offset = offset.copysign(offset * acceleration);
             (fall[line], rise[line]) = (by_x, -by_x);
             (below[line], above[line]) = ((1.0 + offset) * inverse, (1.0 - offset) * inverse);
-            *bend = max(*bend, square.abs());
         }
     }
 
