@@ -234,13 +234,13 @@ mod tests {
     }
 
     /// Solid for a test: a cylinder, a box or a hull.
-    fn solid<'a>(
+    fn solid(
         kind: usize,
         turn: [f64; 3],
         center: Vector,
-        hull: &'a Polyhedron,
+        hull: &Polyhedron,
         mut between: impl FnMut(f64, f64) -> f64,
-    ) -> PosedPart<'a> {
+    ) -> PosedPart<'_> {
         let rows = crate::rotation::rotation(turn);
         let [x, y, axis] = [0, 1, 2].map(|k| rows.map(|row| row[k]).into());
         let form = match kind {
