@@ -23,14 +23,11 @@
 //! # Ok::<(), iiwa_plan::Error>(())
 //! ```
 
-mod blend_record;
-mod clearance_record;
 mod error;
-mod group_record;
 mod io_rows;
-mod limit_record;
-mod load_record;
+mod limit_records;
 mod meshes;
+mod part_records;
 mod plan;
 mod plan_figures;
 mod plan_gates;
@@ -38,18 +35,18 @@ mod plan_options;
 mod plan_request;
 mod planning;
 mod program_source;
-mod repeat_record;
 mod rests_on;
-mod torque_record;
 mod warnings;
 
-pub use blend_record::{BlendRecord, LateBlendRecord, ShortenedBlendRecord};
-pub use clearance_record::{ClearanceRecord, SelfClearanceRecord};
 pub use error::Error;
-pub use group_record::GroupRecord;
-pub use limit_record::{LimitRecord, LimitShareRecord};
-pub use load_record::LoadRecord;
+pub use limit_records::{
+    ClearanceRecord, EnergyRecord, LargestTorque, LimitRecord, LimitShareRecord, LoadRecord,
+    PowerRecord, SelfClearanceRecord, TorqueRecord,
+};
 pub use meshes::embedded_mesh;
+pub use part_records::{
+    BlendRecord, GroupRecord, LateBlendRecord, RepeatRecord, ShortenedBlendRecord,
+};
 pub use plan::Plan;
 pub use plan_figures::{CartesianRecord, MotionRecord, PlanFigures, SingularityRecord};
 pub use plan_gates::{GateRecord, GateRecords, PlanGates, UnmetGates, is_above};
@@ -57,7 +54,5 @@ pub use plan_options::PlanOptions;
 pub use plan_request::PlanRequest;
 pub use planning::Planning;
 pub use program_source::{ProgramSource, ProgramText};
-pub use repeat_record::RepeatRecord;
 pub use rests_on::{AssumptionRecord, section_assumptions};
-pub use torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 pub use warnings::warnings;

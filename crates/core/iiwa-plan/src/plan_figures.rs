@@ -11,16 +11,14 @@ use iiwa_traj::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::torque_record::{EnergyRecord, LargestTorque, PowerRecord, TorqueRecord};
 use crate::{
     PlanOptions,
-    blend_record::{BlendRecord, LateBlendRecord},
-    clearance_record::{ClearanceRecord, SelfClearanceRecord},
-    group_record::GroupRecord,
     io_rows::{self, OverlapClock},
-    limit_record::{LimitRecord, LimitShareRecord},
-    load_record::LoadRecord,
-    repeat_record::RepeatRecord,
+    limit_records::{
+        ClearanceRecord, EnergyRecord, LargestTorque, LimitRecord, LimitShareRecord, LoadRecord,
+        PowerRecord, SelfClearanceRecord, TorqueRecord,
+    },
+    part_records::{BlendRecord, GroupRecord, LateBlendRecord, RepeatRecord},
     rests_on::{self, AssumptionRecord, CountedAssumptions},
 };
 

@@ -1,10 +1,52 @@
-//! Torques, work and power in the figures of a plan, all on the output side of the gears.
+//! How near a motion comes to limits in the figures of a plan: limits, torques with the loads that
+//! change them, clearances. Torques, work and power are on the output side of the gears.
 
-use std::fmt;
+use std::{borrow::Cow, fmt};
 
 use iiwa_kin::{Joint, Joints};
-use iiwa_traj::{MotionTorques, TorqueFigures};
+use iiwa_program::{Motion, MotionIndex, MotionLabel, Program, Source};
+use iiwa_traj::{Limit, MotionTorques, TorqueFigures};
 use serde::{Deserialize, Serialize};
+
+/// A limit with the share of a motion's time for which it is active.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LimitShareRecord {
+    /// Limit.
+    #[serde(flatten)]
+    pub limit: LimitRecord,
+    /// Share of the time, 0 to 1.
+    pub share: f64,
+}
+
+/// A joint limit, a TCP limit, or a limit of another kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LimitRecord {
+    /// Joint, 1 to 7; `None` for a limit that does not belong to a joint.
+    pub joint: Option<usize>,
+    /// Kind: `velocity`, `acceleration` or `jerk`, for a TCP limit with the prefix `cart_` (along
+    /// the path) or `orientation_` (angular); `torque`; `minimum_duration` of short motions under
+    /// Sunrise; `t1_velocity` of TCP and flange in T1; or the name of another limit. In plans of
+    /// earlier versions, `cart_velocity` is also the kind of the minimum duration and of T1.
+    pub kind: Cow<'static, str>,
+}
+
+impl From<Limit> for LimitRecord {
+    fn from(limit: Limit) -> Self {
+        Self { joint: limit.joint().map(Joint::number), kind: limit.name().into() }
+    }
+}
+
+/// Writes `A4 velocity`, `cart velocity` or `T1 velocity`.
+impl fmt::Display for LimitRecord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(joint) = self.joint {
+            write!(f, "A{joint} ")?;
+        }
+        // A name, not a word.
+        let kind = self.kind.strip_prefix("t1_").map(|kind| format!("T1 {kind}"));
+        f.write_str(&kind.unwrap_or_else(|| self.kind.to_string()).replace('_', " "))
+    }
+}
 
 /// Torques of a motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -156,4 +198,63 @@ impl PowerRecord {
             *self = Self { peak_w: torques.peak_power_w, at_s: torques.peak_power_at_s };
         }
     }
+}
+
+/// Change of the load: a `load` entry of the program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoadRecord {
+    /// Number in the program, from 1.
+    pub index: usize,
+    /// Name, comment and group, if the entry has any of them.
+    #[serde(flatten)]
+    pub label: MotionLabel,
+    /// Mass of the load, in kg; `None` if the entry removes it, which leaves the tool's load.
+    pub mass_kg: Option<f64>,
+    /// Source line, if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<Source>,
+}
+
+impl LoadRecord {
+    /// Changes of the load in a program, in order.
+    pub(crate) fn all(program: &Program) -> Vec<Self> {
+        let record = |(motion, entry): (_, &Motion)| {
+            let Motion::Load(load) = entry else { return None };
+            Some(Self {
+                index: MotionIndex::number(motion),
+                label: program.sources.label(motion).cloned().unwrap_or_default(),
+                mass_kg: load.as_ref().map(|payload| payload.load.mass_kg),
+                source: program.sources.of(motion).cloned(),
+            })
+        };
+        program.entries().filter_map(record).collect()
+    }
+}
+
+/// Smallest distance between the arm and the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClearanceRecord {
+    /// Distance in mm; 0 if the arm touches the obstacle.
+    pub distance_mm: f64,
+    /// Link of the arm, 2 to 7, 8 for the tool, or 9 for the workpiece. Links 0 and 1 have the same
+    /// distances at all poses.
+    pub link: usize,
+    /// Obstacle name.
+    pub obstacle: String,
+    /// Time, in s.
+    pub at_s: f64,
+}
+
+/// Smallest distance of the arm from itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SelfClearanceRecord {
+    /// Distance in mm; 0 if the two links touch.
+    pub distance_mm: f64,
+    /// First link, 3 to 7, 8 for the tool, or 9 for the workpiece.
+    pub link: usize,
+    /// Second link, 0 to 5: at least three numbers lower, since closer links are assumed not to
+    /// touch each other.
+    pub other_link: usize,
+    /// Time, in s.
+    pub at_s: f64,
 }
