@@ -20,36 +20,31 @@
 mod encoding;
 mod excerpt;
 mod fields;
-mod further;
-mod list;
 mod locate;
 mod meant;
-mod object;
 mod place;
-mod printable;
 mod problem;
 mod records;
 mod repeated_key;
 mod table_header;
 mod text_lines;
 mod token;
-mod version;
+mod values;
 
 #[cfg(test)]
 mod tests;
 
 pub use encoding::{UTF_16, bytes_without_mark, is_utf16, without_mark};
-pub use excerpt::excerpt;
-pub use further::further_errors;
-pub use list::{Numbers, numbers};
+pub use excerpt::{excerpt, further_errors, printable};
 pub use locate::{JsonStep, element_at, locate};
 pub use meant::{are_known, meant, unknown};
-pub use object::{JsonObject, object, object_or_null, object_or_null_like, tag};
 pub use place::JsonPlace;
-pub use printable::printable;
 pub use problem::problem;
 pub use records::{RecordColumn, Records};
 pub use repeated_key::repeated_key;
 pub use table_header::{HeaderFault, HeaderSearch, TableHeader, TableLine};
 pub use text_lines::{TextLine, TextLines};
-pub use version::{Unread, read_version};
+pub use values::{
+    JsonObject, Numbers, Unread, numbers, object, object_or_null, object_or_null_like,
+    read_version, tag,
+};

@@ -1,10 +1,16 @@
-//! Structures written as objects, also such whose key `type` gives their type.
+//! Values read strictly: objects by their `version` or `type`, and lists of so many numbers. serde
+//! alone also reads a list as an object, and does not say what a list is of.
 
 use std::{borrow::Cow, fmt, marker::PhantomData};
 
 use serde::{
     Deserialize, Deserializer, Serialize,
-    de::{MapAccess, Visitor, value::MapAccessDeserializer},
+    de::{Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer},
+};
+
+use crate::{
+    locate::{JsonStep, locate},
+    place::JsonPlace,
 };
 
 /// A structure written as a JSON object. By default, serde also accepts a list with the values in
@@ -116,4 +122,97 @@ pub fn tag(text: &str) -> Result<Option<Cow<'_, str>>, serde_json::Error> {
         r#type: Option<Cow<'a, str>>,
     }
     serde_json::from_str::<JsonObject<TypeTag<'_>>>(text).map(|tag| tag.0.r#type)
+}
+
+/// Error: a text of a versioned format was not read.
+#[derive(Debug)]
+pub enum Unread {
+    /// The text has another version.
+    Version {
+        /// Version found.
+        found: u64,
+        /// Place in the text.
+        place: JsonPlace,
+    },
+    /// The text is not JSON, or not the expected JSON.
+    Json(serde_json::Error),
+}
+
+/// Reads an object of a `version`, given by its key `version`; `of` gets the version from the
+/// result. Because another version may have other keys, a wrong version takes precedence over other
+/// errors.
+///
+/// # Errors
+///
+/// [`Unread`].
+pub fn read_version<'a, T: Deserialize<'a>>(
+    text: &'a str,
+    version: u64,
+    of: impl FnOnce(&T) -> u64,
+) -> Result<T, Unread> {
+    #[derive(Deserialize)]
+    struct VersionOnly {
+        version: Option<u64>,
+    }
+    let other = |found: Option<u64>| {
+        let found = found.filter(|found| *found != version)?;
+        Some(Unread::Version { found, place: locate(text, &[JsonStep::Key("version")]) })
+    };
+    match serde_json::from_str::<JsonObject<T>>(text) {
+        Ok(JsonObject(read)) => other(Some(of(&read))).map_or(Ok(read), Err),
+        Err(error) => {
+            let only = serde_json::from_str::<JsonObject<VersionOnly>>(text).ok();
+            Err(only.and_then(|only| other(only.0.version)).unwrap_or(Unread::Json(error)))
+        }
+    }
+}
+
+/// Reads exactly `N` numbers; `expected` describes them for errors, such as "three numbers, for x,
+/// y and z".
+///
+/// ```
+/// use iiwa_json::numbers;
+///
+/// let mut reader = serde_json::Deserializer::from_str("[1, 2.5]");
+/// let error = numbers::<3, _>(&mut reader, "three numbers, for x, y and z").unwrap_err();
+/// assert!(error.to_string().contains("expected three numbers"));
+/// ```
+///
+/// # Errors
+///
+/// If the value is not a list of numbers, or has another length.
+pub fn numbers<'de, const N: usize, D: Deserializer<'de>>(
+    reader: D,
+    expected: &'static str,
+) -> Result<[f64; N], D::Error> {
+    reader.deserialize_seq(Numbers(expected))
+}
+
+/// The visitor of [`numbers`], for fields that may be something else as well.
+#[derive(Clone, Copy, Debug)]
+pub struct Numbers<const N: usize>(
+    /// Description of the expected numbers.
+    pub &'static str,
+);
+
+impl<'de, const N: usize> Visitor<'de> for Numbers<N> {
+    type Value = [f64; N];
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+        let mut numbers = [0.0; N];
+        let mut count = 0;
+        while count < N {
+            let Some(value) = seq.next_element()? else { break };
+            numbers[count] = value;
+            count += 1;
+        }
+        while count >= N && seq.next_element::<IgnoredAny>()?.is_some() {
+            count += 1;
+        }
+        if count == N { Ok(numbers) } else { Err(A::Error::invalid_length(count, &self)) }
+    }
 }
