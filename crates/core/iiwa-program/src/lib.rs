@@ -24,25 +24,22 @@
 //! [`Program::from_deg`] builds a program in code.
 
 mod all_faults;
+mod at_motions;
 mod blend;
-mod carried_shapes;
 mod cartesian_fault;
 mod cartesian_motion;
 mod fault;
 mod flange_load;
 mod io_entry;
 mod io_value;
-mod joints_at;
 mod limit_kind;
 mod motion_index;
 mod motion_label;
 mod motion_limits;
 mod motion_list;
 mod motion_path;
-mod motion_tools;
 mod motion_type;
 mod name_place;
-mod overlapping_wait;
 mod placed_frame;
 mod program;
 mod program_builder;
@@ -53,8 +50,8 @@ mod tool_limits;
 mod wire;
 mod workcell;
 
+pub use at_motions::{CarriedShapes, OverlappingWait, ShapesFrom};
 pub use blend::{Blend, CART_MM_MIN, SUNRISE_REL_MIN};
-pub use carried_shapes::{CarriedShapes, ShapesFrom};
 pub use cartesian_fault::{CartesianFault, CourseFault};
 pub use cartesian_motion::{
     AuxOrientation, CartesianMotion, Circ, Course, MAX_SEGMENTS, OrientationType, PathBlend,
@@ -72,7 +69,6 @@ pub use motion_limits::{MotionLimits, TcpSpeedSource};
 pub use motion_list::MotionList;
 pub use motion_path::motion_path;
 pub use motion_type::MotionType;
-pub use overlapping_wait::OverlappingWait;
 pub use placed_frame::PlacedFrame;
 pub use program::{MAX_OVERLAP, Motion, Program, Ptp, Start};
 pub use program_builder::ProgramBuilder;

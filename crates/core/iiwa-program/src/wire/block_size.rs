@@ -1,4 +1,6 @@
-//! Size of repeat blocks, which is bounded.
+//! Entries of motion lists: their places, and the size of repeat blocks, which is bounded.
+
+use iiwa_json::JsonStep;
 
 use crate::{
     cartesian_motion::{CartesianMotion, Circ, Course, SegmentCourse},
@@ -8,6 +10,29 @@ use crate::{
     source::Source,
     target::TargetRef,
 };
+
+/// Place of an entry of a motion list, which may be the list of a repeat block.
+#[derive(Clone, Copy)]
+pub(super) struct EntryPlace<'a> {
+    /// Place of the block; `None` in the list of the program.
+    pub(super) block: Option<&'a EntryPlace<'a>>,
+    /// Index in the list.
+    pub(super) index: usize,
+}
+
+impl EntryPlace<'_> {
+    /// Path from the program to the entry.
+    pub(super) fn path(&self) -> Vec<JsonStep<'static>> {
+        let mut path = self.block.map(EntryPlace::path).unwrap_or_default();
+        path.extend([JsonStep::Key("motions"), JsonStep::Index(self.index)]);
+        path
+    }
+
+    /// Number of blocks that contain the entry.
+    pub(super) fn depth(&self) -> usize {
+        self.block.map_or(0, |block| 1 + block.depth())
+    }
+}
 
 /// Size of motions in blocks, which is bounded.
 #[derive(Clone, Copy, Default)]

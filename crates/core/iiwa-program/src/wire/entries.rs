@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::{
-    block_size::BlockSize,
-    entry_place::EntryPlace,
+    block_size::{BlockSize, EntryPlace},
     error::{ProgramError, json_error},
     motions::{EntryType, MotionWire, entry_type, motion as read_motion, sources_in},
     repeat::RepeatWire,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     notes::{NAME_PATTERN, noted_wire},
-    overlap::{in_keys, of_keys},
+    wait::{in_keys, of_keys},
 };
 use crate::{
     io_entry::{IoEntry, IoKind, MAX_IO_NAME},

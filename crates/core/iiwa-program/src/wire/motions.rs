@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 
 use super::{
+    block_size::EntryPlace,
     cartesian::{CircWire, LinRelWire, LinWire},
-    entry_place::EntryPlace,
     error::{ProgramError, json_error},
     io::{IoWire, SetWire, WaitForWire},
     notes::{NotesMut, noted_wire},

@@ -1,12 +1,10 @@
-//! JSON form of waits.
+//! JSON form of waits, and of the keys `overlap` and `overlap_motions`, which inputs and outputs
+//! also have.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{
-    notes::noted_wire,
-    overlap::{in_keys, of_keys},
-};
+use super::notes::noted_wire;
 use crate::program::Motion;
 
 #[derive(Deserialize, Serialize, JsonSchema)]
@@ -60,4 +58,24 @@ impl WaitWire {
         let overlap = of_keys(self.overlap, self.overlap_motions)?;
         Ok(Motion::Wait { seconds: self.seconds, overlap })
     }
+}
+
+/// Returns the number of overlapped motions, or the key at fault and the reason.
+pub(super) fn of_keys(
+    overlap: Option<bool>,
+    overlap_motions: Option<usize>,
+) -> Result<usize, (&'static str, String)> {
+    let wrong = |message: &str| Err(("overlap_motions", message.to_owned()));
+    match (overlap, overlap_motions) {
+        (Some(_), Some(_)) => wrong("give either `overlap` or `overlap_motions`"),
+        (_, Some(0)) => wrong("overlap_motions must be at least 1"),
+        (_, Some(motions)) => Ok(motions),
+        (Some(true), None) => Ok(1),
+        (Some(false) | None, None) => Ok(0),
+    }
+}
+
+/// Values of the two keys for a number of overlapped motions.
+pub(super) fn in_keys(overlap: usize) -> (Option<bool>, Option<usize>) {
+    ((overlap == 1).then_some(true), (overlap > 1).then_some(overlap))
 }
