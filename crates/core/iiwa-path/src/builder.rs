@@ -15,8 +15,7 @@ use crate::{
     options::{BlendShape, PathOptions},
     polynomial::PolynomialBlend,
     segment::Segment,
-    shortened_radius::ShortenedRadius,
-    step::{Corner, SplineStop, Step},
+    step::{Corner, ShortenedBlend, SplineStop, Step},
     supervised::SupervisedSegment,
 };
 use iiwa_program::{Blend, Fault, Motion, MotionIndex, OperatingMode, Program};
@@ -72,9 +71,7 @@ pub(crate) fn steps(
             Some(RoundedCorner::Curved(corner, _)) => {
                 let CurvedCorner { image, gamma_deg, shortened, .. } = corner;
                 steps.check_image(motion, image)?;
-                let motions = [motion, corners.next(motion)];
-                let shortened = shortened.map(|radius| radius.between(motions));
-                let blend = Some(Corner { motion, gamma_deg: *gamma_deg, shortened });
+                let blend = Some(Corner { motion, gamma_deg: *gamma_deg, shortened: *shortened });
                 let segment = Arc::new(image.clone());
                 steps.push(Step::Move {
                     motion: corners.next(motion),
@@ -143,7 +140,8 @@ impl Corners<'_> {
         let motion = MotionIndex::new(index);
         let Some(leg) = self.legs.get(index) else { return Ok(None) };
         let size = self.program.motions[index].blend();
-        let (Some(size), Some(next)) = (size, self.legs.get(self.next(motion).index())) else {
+        let motions = [motion, self.next(motion)];
+        let (Some(size), Some(next)) = (size, self.legs.get(motions[1].index())) else {
             return Ok(None);
         };
         // The blend at a target refers to the TCP of the motion that ends there.
@@ -151,7 +149,8 @@ impl Corners<'_> {
         if leg.paths.is_empty() && next.paths.is_empty() {
             let ends = [leg.ends_rad[0], leg.ends_rad[1], next.ends_rad[1]];
             let corner = size.in_joints().and_then(|blend| {
-                JointCorner::new(self.robot, self.options.blend_search, &tcp_m, ends, blend)
+                let search = self.options.blend_search;
+                JointCorner::new(self.robot, search, &tcp_m, motions, ends, blend)
             });
             return Ok(corner.map(RoundedCorner::InJoints));
         }
@@ -163,7 +162,8 @@ impl Corners<'_> {
         if is_still(&leg) || is_still(&next) {
             return Ok(None);
         }
-        let corner = CurvedCorner::new(self.robot, self.options, &tcp_m, [&*leg, &*next], &size);
+        let corner =
+            CurvedCorner::new(self.robot, self.options, &tcp_m, motions, [&*leg, &*next], &size);
         let corner = corner.map_err(|error| Fault::Cartesian {
             motion: Some(motion),
             key: "blend",
@@ -326,8 +326,7 @@ impl Builder<'_> {
             self.push(Step::Corner { motion, place: None });
             return Ok(());
         }
-        let shortened = corner.shortened.map(|radius| radius.between([motion, next]));
-        let blend = Some(Corner { motion, gamma_deg, shortened });
+        let blend = Some(Corner { motion, gamma_deg, shortened: corner.shortened });
         self.push(Step::Move { motion: next, segment, blend, limits: None });
         Ok(())
     }
@@ -385,16 +384,17 @@ struct JointCorner {
     y1: Joints,
     /// Distance in joint space from the corner to both ends of the blend, in rad.
     reach: f64,
-    shortened: Option<ShortenedRadius>,
+    shortened: Option<ShortenedBlend>,
 }
 
 impl JointCorner {
-    /// Returns the corner at the second of three targets, or `None` if the robot stops there: the
-    /// blend is too small, or one of the two motions does not move.
+    /// Returns the corner between two motions, at the second of three targets, or `None` if the
+    /// robot stops there: the blend is too small, or one of the two motions does not move.
     fn new(
         robot: &Robot,
         search: BlendSearch,
         tcp_m: &[f64; 3],
+        motions: [MotionIndex; 2],
         [before, target, after]: [Joints; 3],
         blend: Blend,
     ) -> Option<Self> {
@@ -421,7 +421,7 @@ impl JointCorner {
                 .into_iter()
                 .fold(0.0, f64::max);
             corner.shortened = (shares[side] >= HALF)
-                .then(|| ShortenedRadius::new(side, asked_mm, used_mm))
+                .then(|| ShortenedBlend::new(motions[side], asked_mm, used_mm))
                 .flatten();
         }
         (reach > NO_MOTION_RAD).then_some(corner)

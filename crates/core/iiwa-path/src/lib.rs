@@ -50,7 +50,6 @@ mod path;
 mod planar_graph;
 mod polynomial;
 mod segment;
-mod shortened_radius;
 mod step;
 mod supervised;
 mod tool_coordinate;

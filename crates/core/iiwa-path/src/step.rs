@@ -93,6 +93,23 @@ pub struct ShortenedBlend {
     pub used_mm: f64,
 }
 
+/// Difference from the radius in the program from which a blend counts as shortened, in mm: radii
+/// are printed to a tenth.
+const MIN_DIFFERENCE_MM: f64 = 0.05;
+
+impl ShortenedBlend {
+    /// Returns the radius of a blend that takes half of a motion; `None` if the blend is as large
+    /// as the program asks for.
+    pub(crate) fn new(half_of: MotionIndex, asked_mm: f64, used_mm: f64) -> Option<Self> {
+        (asked_mm - used_mm >= MIN_DIFFERENCE_MM).then_some(Self { half_of, asked_mm, used_mm })
+    }
+
+    /// Returns the smaller of two radii.
+    pub(crate) fn smaller(self, other: Self) -> Self {
+        if other.used_mm < self.used_mm { other } else { self }
+    }
+}
+
 /// Place at which the TCP stops within a spline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SplineStop {

@@ -19,9 +19,9 @@ use crate::{
     joint_spline::{CurveFaultAt, JointSpline, Sigma},
     line::Line,
     options::PathOptions,
-    shortened_radius::ShortenedRadius,
+    step::ShortenedBlend,
 };
-use iiwa_program::{Blend, CART_MM_MIN, MotionLimits, PathBlend, SUNRISE_REL_MIN};
+use iiwa_program::{Blend, CART_MM_MIN, MotionIndex, MotionLimits, PathBlend, SUNRISE_REL_MIN};
 
 /// A blend between two motions, and the shares of both that it replaces.
 #[derive(Debug)]
@@ -39,13 +39,13 @@ pub(crate) struct CurvedCorner {
     /// limits of the second motion apply.
     pub(crate) limits: Option<Arc<MotionLimits>>,
     /// Radius, if it is smaller than the program asks for.
-    pub(crate) shortened: Option<ShortenedRadius>,
+    pub(crate) shortened: Option<ShortenedBlend>,
 }
 
 /// Shares that a blend replaces, and its radius, if it is smaller than the program asks for.
 struct BlendShares {
     shares: [f64; 2],
-    shortened: Option<ShortenedRadius>,
+    shortened: Option<ShortenedBlend>,
 }
 
 impl CurvedCorner {
@@ -55,10 +55,12 @@ impl CurvedCorner {
         robot: &Robot,
         options: PathOptions,
         tcp_m: &[f64; 3],
+        motions: [MotionIndex; 2],
         legs: [&Leg; 2],
         size: &PathBlend,
     ) -> Result<Option<Self>, CurveFaultAt> {
-        let Some(BlendShares { shares, shortened }) = shares(robot, options, tcp_m, legs, size)
+        let Some(BlendShares { shares, shortened }) =
+            shares(robot, options, tcp_m, motions, legs, size)
         else {
             return Ok(None);
         };
@@ -155,6 +157,7 @@ fn shares(
     robot: &Robot,
     options: PathOptions,
     tcp_m: &[f64; 3],
+    motions: [MotionIndex; 2],
     legs: [&Leg; 2],
     size: &PathBlend,
 ) -> Option<BlendShares> {
@@ -215,10 +218,10 @@ fn shares(
         let used_mm = way_within_mm(side, HALF);
         let asked_mm =
             size.cart_mm.filter(|_| shares[side] >= HALF && used_mm > 1e3 * MIN_WAY_M)?;
-        ShortenedRadius::new(side, asked_mm, used_mm)
+        ShortenedBlend::new(motions[side], asked_mm, used_mm)
     };
     let sides = [shortened(0), shortened(1)];
-    let mut shortened = sides.into_iter().flatten().reduce(ShortenedRadius::smaller);
+    let mut shortened = sides.into_iter().flatten().reduce(ShortenedBlend::smaller);
     if let [Some(a), Some(b)] = paths
         && a.curve.joins_in_space(&b.curve)
     {
