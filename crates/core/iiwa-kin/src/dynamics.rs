@@ -3,8 +3,8 @@
 use crate::{
     Friction, Joints, Load, Mount, RigidBody, Robot,
     forward::sin_cos_of_joints,
-    moments::Moments,
     newton_euler::{Linkage, holding, inverse_dynamics, mass_matrix},
+    rigid_body::Moments,
     rotation::{self, Vec3},
     vector,
 };

@@ -1,6 +1,6 @@
 //! Robot links as rigid bodies.
 
-use crate::{RigidBody, Robot, inertials::Links, shape_inertia};
+use crate::{RigidBody, Robot, inertials::Links, shapes};
 
 /// Distance of a media flange's centre behind the flange face, in m: half of the length by which
 /// "Touch" exceeds the plain flange (152 mm and 126 mm from the wrist).
@@ -36,7 +36,7 @@ impl Robot {
             Links::Known(links) => **links,
             Links::Masses(masses) => {
                 let [_, shapes @ ..] = self.link_shapes();
-                std::array::from_fn(|j| shape_inertia::body(&shapes[j], masses[j]))
+                std::array::from_fn(|j| shapes::body(&shapes[j], masses[j]))
             }
         }
     }

@@ -10,7 +10,7 @@
     reason = "kernels must be inlined into the function that enables vector instructions"
 )]
 
-use crate::{Joints, moments::Moments, robot::TWIST_QUARTERS, rotation::Vec3};
+use crate::{Joints, rigid_body::Moments, robot::TWIST_QUARTERS, rotation::Vec3};
 
 /// Moving masses and geometry of the arm.
 #[derive(Clone, Copy, Debug, PartialEq)]

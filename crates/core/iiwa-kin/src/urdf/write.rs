@@ -12,7 +12,7 @@ use quick_xml::{
 };
 
 use super::{LIMITS, RosNames};
-use crate::{Along, RigidBody, Robot, Shape, Solid, inertials::Links, shape_inertia};
+use crate::{Along, RigidBody, Robot, Shape, Solid, inertials::Links, shapes};
 
 /// XML writer to memory, whose writes do not fail.
 type Xml = Writer<Vec<u8>>;
@@ -46,7 +46,7 @@ impl Robot {
             xml.write_event(Event::Comment(BytesText::from_escaped(self.inertias_note())))?;
             let (links, joints) = (names.links(), names.joints());
             let shapes = self.link_shapes();
-            let foot = shape_inertia::body(&shapes[0], self.base_mass_kg);
+            let foot = shapes::body(&shapes[0], self.base_mass_kg);
             let bodies = [foot].into_iter().chain(self.carried_links());
             for ((shapes, name), body) in shapes.iter().zip(&links).zip(bodies) {
                 element(xml, "link", &[("name", name)], |xml| {
