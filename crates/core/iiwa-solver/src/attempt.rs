@@ -9,8 +9,7 @@ use std::{ops::Range, sync::atomic::AtomicBool};
 use iiwa_program::{ByKind, LimitKind};
 
 use crate::{
-    cell::Cell,
-    cell_rows::RowParabolas,
+    cell::{Cell, RowParabolas},
     cells::{Lowering, has_row_at_end},
     geometry::PlaceValues,
     lanes::dispatch,

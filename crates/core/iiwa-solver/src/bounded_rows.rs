@@ -7,11 +7,10 @@ use iiwa_path::Coordinates;
 use pulp::Simd;
 
 use crate::{
-    functionals::Functional,
+    cell_functions::{Functional, Terms},
     geometry::SigmaDerivatives,
     lanes::{LANES, Lanes, Vector},
     limited_segment::largest_share,
-    quadratic::Terms,
     row_limit::PathRow,
     slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };

@@ -27,9 +27,9 @@ use pulp::Simd;
 use crate::{
     bounded_rows::BoundedRow,
     cell::Cell,
-    functionals::{
-        CellState, ControlV, EndV, EndW, EndX, MiddleV, MiddleW, MiddleX, SecondControlX, StartV,
-        StartW, StartX, ThirdControlX,
+    cell_functions::{
+        CellState, ControlV, EndV, EndW, EndX, MiddleV, MiddleW, MiddleX, Quadratic,
+        SecondControlX, StartV, StartW, StartX, Terms, ThirdControlX,
     },
     geometry::{Geometry, SigmaDerivatives},
     jerk_rows::JerkRow,
@@ -37,7 +37,6 @@ use crate::{
     limited_segment::LimitedSegment,
     limiting_joints::LimitingJoints,
     mesh::Mesh,
-    quadratic::{Quadratic, Terms},
     settings::InteriorPointSettings,
     slack_pair::{Decreases, InteriorStart, InteriorStep, InteriorSteps, SlackStart},
     velocity_rows::VelocityRows,

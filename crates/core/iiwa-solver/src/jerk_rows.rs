@@ -8,11 +8,10 @@ use iiwa_path::Coordinates;
 use pulp::Simd;
 
 use crate::{
-    functionals::Functional,
+    cell_functions::{Functional, Terms},
     geometry::SigmaDerivatives,
     lanes::{Lanes, Vector},
     limited_segment::largest_share,
-    quadratic::Terms,
     settings::InteriorPointSettings,
     slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };

@@ -67,9 +67,8 @@ mod attempt;
 mod blocks;
 mod bounded_rows;
 mod cell;
-mod cell_rows;
+mod cell_functions;
 mod cells;
-mod functionals;
 mod geometry;
 mod jerk_rows;
 #[cfg(test)]
@@ -79,7 +78,6 @@ mod limited_segment;
 mod limiting_joints;
 mod mesh;
 mod peaks;
-mod quadratic;
 mod rest_ramp;
 mod rests;
 mod riccati;

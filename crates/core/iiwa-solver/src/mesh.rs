@@ -7,8 +7,7 @@
 use std::ops::Range;
 
 use crate::{
-    cell::Cell,
-    cell_rows::CellRows,
+    cell::{Cell, CellRows},
     geometry::Geometry,
     limited_segment::{LimitedSegment, SweptNode},
     settings::MeshSettings,

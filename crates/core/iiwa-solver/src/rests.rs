@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{cell::Cell, functionals::CellState, limited_segment::LimitedSegment, riccati};
+use crate::{cell::Cell, cell_functions::CellState, limited_segment::LimitedSegment, riccati};
 
 /// A cell that touches rest, described by x at its other end.
 #[derive(Clone, Copy, Debug)]

@@ -13,8 +13,7 @@
 use pulp::Simd;
 
 use crate::{
-    functionals::{CellState, EndV, EndX, Functional},
-    quadratic::Quadratic,
+    cell_functions::{CellState, EndV, EndX, Functional, Quadratic},
     riccati_parts::{self, PartGain, Parts},
     stage_chain::{CostToGo, StageChain},
 };

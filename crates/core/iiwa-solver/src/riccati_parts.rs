@@ -9,9 +9,8 @@
 use pulp::Simd;
 
 use crate::{
-    functionals::{CellState, EndV, EndX, Functional},
+    cell_functions::{CellState, EndV, EndX, Functional, Terms},
     lanes::{LANES, Lanes, Vector, columns, registers},
-    quadratic::Terms,
     stage_chain::{CostToGo, StageChain},
 };
 

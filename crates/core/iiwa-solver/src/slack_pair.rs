@@ -3,8 +3,8 @@
 use pulp::Simd;
 
 use crate::{
+    cell_functions::Terms,
     lanes::{Lanes, Vector},
-    quadratic::Terms,
     settings::InteriorPointSettings,
 };
 

@@ -36,12 +36,11 @@ use thiserror::Error;
 use crate::{
     blocks::{Blocks, for_each_block},
     cell::Cell,
+    cell_functions::{CellState, EndV, EndX, Functional, Quadratic, StartX},
     cells::{LargestDecreases, LimitSums, Lowering},
-    functionals::{CellState, EndV, EndX, Functional, StartX},
     lanes::dispatch,
     limited_segment::LimitedSegment,
     mesh::Mesh,
-    quadratic::Quadratic,
     rests::{RestCell, Rests, ScalarSlackPair},
     riccati::{self, Gains, NotConvex},
     settings::{InteriorPointSettings, WarmStart},

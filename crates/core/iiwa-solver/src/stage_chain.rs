@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{functionals::CellState, quadratic::Quadratic};
+use crate::cell_functions::{CellState, Quadratic};
 
 /// The stages and their boundary conditions.
 #[derive(Clone)]

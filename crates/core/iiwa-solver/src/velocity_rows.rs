@@ -6,9 +6,8 @@ use iiwa_path::Coordinates;
 use pulp::Simd;
 
 use crate::{
-    functionals::Functional,
+    cell_functions::{Functional, Terms},
     lanes::{Lanes, Vector},
-    quadratic::Terms,
     slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
