@@ -1,5 +1,5 @@
-//! How near a motion comes to limits in the figures of a plan: limits, torques with the loads that
-//! change them, clearances. Torques, work and power are on the output side of the gears.
+//! Figures of a plan beside limits: shares of limits, torques, the loads behind them, clearances.
+//! Torques, work and power are on the output side of the gears.
 
 use std::{borrow::Cow, fmt};
 

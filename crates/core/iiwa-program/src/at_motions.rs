@@ -1,5 +1,5 @@
-//! What holds at each motion of a program: joint positions at its target, TCP, payload and shapes
-//! at the flange, waits that overlap it.
+//! State at each motion of a program: joint positions at the target, TCP, payload, carried shapes,
+//! overlapping waits.
 
 use std::collections::VecDeque;
 

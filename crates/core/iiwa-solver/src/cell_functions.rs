@@ -1,5 +1,5 @@
-//! Functions of the state of a cell: linear ones that are known at compile time, and quadratic ones,
-//! whose sum a Newton step minimises.
+//! Functions of the state of a cell: linear ones that are known at compile time, and quadratic
+//! ones, whose sum a Newton step minimises.
 
 use pulp::Simd;
 
