@@ -49,7 +49,7 @@ fn assert_stops(rig: &Rig) {
     let running = std::thread::spawn(move || client.run_motions(slowly_to(to), Some(LONG)));
     let mut other = rig.client();
     wait_for("motion", || other.state().unwrap().state == DriveState::RunningMotion);
-    rig.client().stop().unwrap();
+    rig.stop();
     let at_rest = rig.cabinet().position();
     let error = running.join().unwrap().unwrap_err();
     assert!(error.to_string().contains("stopped on request"), "{error}");

@@ -129,7 +129,7 @@ fn a_stopped_line_stays_a_line() {
         offset.iter().map(|x| x * x).sum::<f64>().sqrt()
     };
     wait_for("motion", || running.is_finished() || way_m(&rig.cabinet().position()) > 0.04);
-    rig.client().stop().unwrap();
+    rig.stop();
     let (refusal, run) = match running.join().unwrap() {
         Err(ClientError::Refused { refusal, run: Some(run) }) => (refusal, run),
         other => panic!("the run has not been stopped: {other:?}"),

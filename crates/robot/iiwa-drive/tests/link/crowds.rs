@@ -90,7 +90,7 @@ fn pipelines_take_neither_stops_nor_runs() {
             scope.spawn(move || pipeline(peer, over));
         }
         for _ in 0..10 {
-            rig.client().stop().unwrap();
+            rig.stop();
         }
         // The client of the run has kept its connection.
         let error = running.join().unwrap().unwrap_err();
@@ -190,7 +190,7 @@ fn handshakes_with_less_progress_are_evicted_first() {
                 stream
             })
             .collect();
-        rig.client().stop().unwrap();
+        rig.stop();
         newcomer.set_nonblocking(true).unwrap();
         drop(others);
         newcomer.read(&mut [0; 100]).map_err(|error| error.kind()) == Err(ErrorKind::WouldBlock)

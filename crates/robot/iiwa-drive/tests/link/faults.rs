@@ -148,7 +148,7 @@ fn a_motion_of_a_lost_drive_can_be_stopped() {
     rig.drive = None;
     rig.start_drive();
     wait_for_state(&rig, DriveState::RunningMotion);
-    rig.client().stop().unwrap();
+    rig.stop();
     wait_for_state(&rig, DriveState::Idle);
     assert!(rig.cabinet().position()[0].to_degrees() < 39.0);
     assert_works(&rig);
@@ -340,7 +340,7 @@ fn a_stop_keeps_to_the_path() {
         for begin in [begin_motion, begin_trajectory] {
             let rig = Rig::new(5);
             let running = begin(&rig);
-            rig.client().stop().unwrap();
+            rig.stop();
             let (refusal, run) = refused(running.join().unwrap());
             assert!(refusal.message.starts_with("stopped on request"), "{refusal}");
             assert_eq!(rig.client().state().unwrap().state, DriveState::Idle);
@@ -355,7 +355,7 @@ fn a_stop_keeps_to_the_path() {
 #[test]
 fn a_stop_without_a_run_succeeds() {
     let rig = Rig::new(5);
-    rig.client().stop().unwrap();
+    rig.stop();
     assert_works(&rig);
 }
 

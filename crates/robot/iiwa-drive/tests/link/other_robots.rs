@@ -84,7 +84,7 @@ fn nothing_runs_while_another_robot_is_at_the_cabinet() {
             }
         }
         // A stop is always answered.
-        rig.client().stop().unwrap();
+        rig.stop();
         let moved = rig.cabinet().position().iter().any(|q| q.abs() > 1e-9);
         assert!(!moved, "the arm has moved");
     }

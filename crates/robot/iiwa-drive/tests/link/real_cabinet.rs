@@ -87,7 +87,7 @@ fn a_stopped_run_is_timed_by_commanded_positions_too() {
         thread::spawn(move || client.run_motions(slow, Some(LONG)))
     };
     wait_for("motion", || running.is_finished() || rig.cabinet().position()[0] > 0.1);
-    rig.client().stop().unwrap();
+    rig.stop();
     let Err(ClientError::Refused { run: Some(run), .. }) = running.join().unwrap() else {
         panic!("the run has not been stopped")
     };

@@ -11,7 +11,7 @@ use std::{
 use iiwa_cabinet::{Cabinet, CabinetConfig, Faults};
 use iiwa_drive::{Drive, DriveConfig};
 use iiwa_link::{
-    Client, Remote, Server, Stream,
+    Client, ClientError, Remote, Server, Stream,
     message::{DriveState, Presence},
 };
 use iiwasim_tests::{
@@ -140,6 +140,20 @@ impl Rig {
                 && ["good", "excellent"].contains(&status.fri.quality.as_str());
             let is_connected = status.robot_program == Presence::Connected;
             ready && is_connected && status.state == DriveState::Idle
+        });
+    }
+
+    /// Stops the robot, through a new client. On a busy machine, the simulated robot program may
+    /// report late; the drive then answers that it does not know whether the arm is at rest.
+    pub(crate) fn stop(&self) {
+        wait_for("answer of the robot program to a stop", || match self.client().stop() {
+            Ok(()) => true,
+            Err(ClientError::Refused { refusal, .. })
+                if refusal.message.starts_with("the robot program does not answer") =>
+            {
+                false
+            }
+            Err(error) => panic!("{error}"),
         });
     }
 
