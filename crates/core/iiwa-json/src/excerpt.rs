@@ -4,19 +4,10 @@
 /// that it cannot control a terminal.
 #[must_use]
 pub fn excerpt(text: &str) -> String {
-    let mut shown = String::with_capacity(text.len().min(4 * MAX_SHOWN));
-    for (count, letter) in text.chars().enumerate() {
-        if count == MAX_SHOWN {
-            shown.push_str("...");
-            break;
-        }
-        if letter.is_control() {
-            shown.extend(letter.escape_default());
-        } else {
-            shown.push(letter);
-        }
+    match text.char_indices().nth(MAX_SHOWN) {
+        Some((end, _)) => printable(&text[..end]) + "...",
+        None => printable(text),
     }
-    shown
 }
 
 /// Longest excerpt, in characters.

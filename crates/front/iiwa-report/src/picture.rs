@@ -9,7 +9,7 @@ mod plan;
 mod rendered;
 
 use plotters::{
-    chart::ChartContext,
+    chart::{ChartContext, MeshStyle},
     coord::{Shift, cartesian::Cartesian2d, types::RangedCoordf64},
     prelude::{ChartBuilder, Color, DrawingArea, IntoDrawingArea, RGBColor, SVGBackend, WHITE},
 };
@@ -85,6 +85,18 @@ pub(crate) fn font() -> (&'static str, u32) {
     ("sans-serif", 15 * FINE)
 }
 
+/// Starts the axes and grid lines of a chart.
+pub(crate) fn mesh<'a, 'b>(
+    chart: &'b mut Chart<'a>,
+) -> MeshStyle<'a, 'b, RangedCoordf64, RangedCoordf64, SVGBackend<'a>> {
+    let mut mesh = chart.configure_mesh();
+    mesh.light_line_style(WHITE.mix(0.0))
+        .bold_line_style(SHADE.stroke_width(FINE))
+        .axis_style(INK.stroke_width(FINE))
+        .label_style(font());
+    mesh
+}
+
 /// Returns the colour of a speed relative to its limit.
 pub(crate) fn shade(share: f64) -> RGBColor {
     let mix = |from: RGBColor, to: RGBColor, share: f64| {
@@ -147,12 +159,8 @@ impl Space {
             .y_label_area_size(62 * FINE)
             .build_cartesian_2d(axis(across, plot.0), axis(up, plot.1))?;
         let names = ["x", "y", "z"];
-        chart
-            .configure_mesh()
+        mesh(&mut chart)
             .light_line_style(WHITE)
-            .bold_line_style(SHADE.stroke_width(FINE))
-            .axis_style(INK.stroke_width(FINE))
-            .label_style(font())
             .x_label_formatter(&|v| format!("{v:.0}"))
             .y_label_formatter(&|v| format!("{v:.0}"))
             .x_desc(format!("{} in mm", names[across]))

@@ -6,7 +6,7 @@ use plotters::prelude::{
     ChartBuilder, Circle, Color, PathElement, Polygon, RGBColor, SeriesLabelPosition, Text, WHITE,
 };
 
-use crate::picture::{Area, Chart, DASH, DrawResult, FINE, INK, SHADE, font, svg};
+use crate::picture::{Area, Chart, DASH, DrawResult, FINE, SHADE, font, mesh, svg};
 
 use super::error::ExperimentError;
 
@@ -170,12 +170,7 @@ impl Plot {
             .y_label_area_size(66 * FINE)
             .build_cartesian_2d(across.clone(), up.clone())?;
         let labels = [decimals(&across), decimals(&up)];
-        chart
-            .configure_mesh()
-            .light_line_style(WHITE.mix(0.0))
-            .bold_line_style(SHADE.stroke_width(FINE))
-            .axis_style(INK.stroke_width(FINE))
-            .label_style(font())
+        mesh(&mut chart)
             .x_labels(8)
             .y_labels(8)
             .x_label_formatter(&|v| number(*v, labels[0]))

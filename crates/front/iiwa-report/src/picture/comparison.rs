@@ -1,12 +1,12 @@
 //! Picture of a recording and a plan: both flange paths, and the deviations.
 
 use iiwa_eval::{Comparison, PlannedTrajectory, TracePoint};
-use plotters::prelude::{ChartBuilder, Color, LineSeries, Rectangle, WHITE};
+use plotters::prelude::{ChartBuilder, Color, LineSeries, Rectangle};
 
 use super::{
-    Area, DrawResult, FINE, HEIGHT, INK, MEASURED, PLANNED, SHADE, Space, WIDTH, font,
+    Area, DrawResult, FINE, HEIGHT, MEASURED, PLANNED, SHADE, Space, WIDTH, font,
     key::{LegendSign, title_and_legend},
-    svg,
+    mesh, svg,
 };
 use crate::PictureError;
 
@@ -104,13 +104,8 @@ fn draw_deviation(
     }))?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 4")]
     let digits = (1.0 - top.log10().floor()).clamp(0.0, 4.0) as usize;
-    chart
-        .configure_mesh()
+    mesh(&mut chart)
         .disable_x_mesh()
-        .light_line_style(WHITE.mix(0.0))
-        .bold_line_style(SHADE.stroke_width(FINE))
-        .axis_style(INK.stroke_width(FINE))
-        .label_style(font())
         .y_labels(5)
         .y_label_formatter(&|v| format!("{v:.digits$}"))
         .draw()?;

@@ -4,13 +4,13 @@ use iiwa_kin::{Joints, Pose, Robot};
 use iiwa_program::{PlacedFrame, Program};
 use iiwa_traj::{PieceKind, Section};
 use plotters::prelude::{
-    ChartBuilder, Circle, Color, IntoFont, LineSeries, PathElement, Rectangle, Text, WHITE,
+    ChartBuilder, Circle, Color, IntoFont, LineSeries, PathElement, Rectangle, Text,
 };
 
 use super::{
     AXES, Area, COLOURS, Chart, DrawResult, FINE, HEIGHT, INK, SHADE, Space, WIDTH, font,
     key::{LegendEntry, LegendSign, title_and_legend},
-    shade, svg,
+    mesh, shade, svg,
 };
 use crate::PictureError;
 
@@ -214,12 +214,7 @@ impl PlanPicture {
             .x_label_area_size(44 * FINE)
             .y_label_area_size(62 * FINE)
             .build_cartesian_2d(0.0..end, 0.0..1.05 * max_mm_s)?;
-        chart
-            .configure_mesh()
-            .light_line_style(WHITE.mix(0.0))
-            .bold_line_style(SHADE.stroke_width(FINE))
-            .axis_style(INK.stroke_width(FINE))
-            .label_style(font())
+        mesh(&mut chart)
             .y_labels(5)
             .y_label_formatter(&|v| format!("{v:.0}"))
             .x_desc("time in s")
@@ -248,12 +243,7 @@ impl PlanPicture {
         chart.draw_series(self.blends.iter().map(|blend| {
             Rectangle::new([(blend.start_s, -105.0), (blend.end_s, 105.0)], SHADE.filled())
         }))?;
-        chart
-            .configure_mesh()
-            .light_line_style(WHITE.mix(0.0))
-            .bold_line_style(SHADE.stroke_width(FINE))
-            .axis_style(INK.stroke_width(FINE))
-            .label_style(font())
+        mesh(&mut chart)
             .y_label_formatter(&|v| format!("{v:.0}"))
             .x_desc("time in s")
             .y_desc("speed in %")
