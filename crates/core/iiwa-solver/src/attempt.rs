@@ -306,31 +306,29 @@ impl Attempt {
         let first = window.start;
         let mut lowered = Lowered::default();
         let largest = self.largest_shares(segments, window);
-        let mut by: Vec<_> = largest
-            .into_iter()
-            .zip(first..)
-            .map(|(shares, cell)| {
-                let mut by_share = |share: f64, allowed: f64, by: f64| {
-                    // NaN counts as an excess: numbers are out of range.
-                    if share > allowed || share.is_nan() {
-                        lowered.excess = lowered.excess.max(share);
-                        by
-                    } else {
-                        1.0
-                    }
-                };
-                let lowering = ByKind::from_fn(|kind| {
-                    let share = shares.of[kind];
-                    by_share(share, allowed.of[kind], REFINEMENT.target[kind] / share)
-                });
-                let target = REFINEMENT.rows.target / shares.of_room;
-                let by = Lowering { of: lowering, rows: by_share(shares.row, allowed.row, target) };
-                if !by.is_none() {
-                    lowered.cells.push(cell);
+        let mut by = Vec::with_capacity(largest.len());
+        for (shares, cell) in largest.into_iter().zip(first..) {
+            // Not within the limit if it is NaN: numbers are out of range.
+            let mut by_share = |share: f64, allowed: f64, by: f64| {
+                if share <= allowed {
+                    return 1.0;
                 }
+                lowered.excess = lowered.excess.max(share);
                 by
-            })
-            .collect();
+            };
+            let mut lowering = Lowering::default();
+            for kind in LimitKind::ALL {
+                let share = shares.of[kind];
+                lowering.of[kind] =
+                    by_share(share, allowed.of[kind], REFINEMENT.target[kind] / share);
+            }
+            let target = REFINEMENT.rows.target / shares.of_room;
+            lowering.rows = by_share(shares.row, allowed.row, target);
+            if !lowering.is_none() {
+                lowered.cells.push(cell);
+            }
+            by.push(lowering);
+        }
         for cell in lowered.cells.iter().filter(|cell| before.binary_search(cell).is_ok()) {
             if let [current, next, ..] = &mut by[cell - first..] {
                 for (kind, next) in next.of.iter_mut().filter(|(kind, _)| !has_row_at_end(*kind)) {

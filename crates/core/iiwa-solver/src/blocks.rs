@@ -119,7 +119,6 @@ fn set<const J: usize>(
     // Set in place: a block has some kilobytes.
     let count = list.len().div_ceil(LANES);
     blocks.truncate(count);
-    blocks.iter_mut().for_each(CellBlock::clear);
     blocks.resize_with(count, CellBlock::default);
     for (block, cells) in blocks.iter_mut().zip(list.chunks(LANES)) {
         block.set(segments, mesh, cells);

@@ -39,7 +39,7 @@ impl BoundedRow {
     }
 
     /// Sets the acceleration rows of a cell of this `length` for some `coordinates`, from the
-    /// reciprocals of the limits (s^2/rad).
+    /// reciprocals of the limits (s^2/rad). Other rows get zero coefficients.
     pub(crate) fn set_accelerations(
         rows: &mut [Self],
         lane: usize,
@@ -48,16 +48,25 @@ impl BoundedRow {
         length: f64,
         inverse: &Coordinates,
     ) {
+        if let [line] = rows {
+            return line.set_on_line(lane, largest_share(dq, inverse), length);
+        }
         // dx/dsigma = V / length.
         let half = 0.5 / length;
-        if let [line] = rows {
-            line.v.0[lane] = largest_share(dq, inverse) * half;
-            return;
-        }
-        for (row, &j) in rows.iter_mut().zip(coordinates) {
+        let (used, unused) = rows.split_at_mut(coordinates.len());
+        for (row, &j) in used.iter_mut().zip(coordinates) {
             row.x.0[lane] = ddq[j] * inverse[j];
             row.v.0[lane] = dq[j] * inverse[j] * half;
         }
+        for row in unused {
+            (row.x.0[lane], row.v.0[lane]) = (0.0, 0.0);
+        }
+    }
+
+    /// Sets the acceleration row of a cell on a line, from the largest share of a limit for an
+    /// acceleration of sigma of 1 rad/s^2.
+    pub(crate) fn set_on_line(&mut self, lane: usize, share: f64, length: f64) {
+        self.v.0[lane] = share * (0.5 / length);
     }
 
     /// Sets the row of a cell of this `length` to that of a limit.

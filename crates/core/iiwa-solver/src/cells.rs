@@ -61,6 +61,12 @@ pub(crate) struct Lowering {
     pub(crate) rows: f64,
 }
 
+impl Default for Lowering {
+    fn default() -> Self {
+        Self { of: ByKind::from_array([1.0; 3]), rows: 1.0 }
+    }
+}
+
 impl Lowering {
     /// True if all limits are kept.
     pub(crate) fn is_none(&self) -> bool {
@@ -168,21 +174,17 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         (lower, Some(derivatives))
     }
 
-    /// Coordinates that can be at a limit: of acceleration at the start and along the cell, and of
-    /// jerk.
-    fn limiting(&self) -> [LimitingJoints; 3] {
-        let [acceleration, jerk] =
-            [LimitKind::Acceleration, LimitKind::Jerk].map(|kind| self.segment.limiting[kind]);
-        let current = self.segment.inverse[LimitKind::Acceleration];
-        let ([_, at_start], _) = self.at_start();
-        let at_start = if at_start == current {
-            acceleration
-        } else if at_start[TOOL] > 0.0 {
-            LimitingJoints::ALL
+    /// Coordinates that can be at their acceleration limit at the start, from the reciprocals of
+    /// these limits there.
+    fn limiting_at_start(&self, inverse: &Coordinates) -> &LimitingJoints {
+        let kind = LimitKind::Acceleration;
+        if *inverse == self.segment.inverse[kind] {
+            &self.segment.limiting[kind]
+        } else if inverse[TOOL] > 0.0 {
+            &LimitingJoints::ALL
         } else {
-            LimitingJoints::JOINTS
-        };
-        [at_start, acceleration, jerk]
+            &LimitingJoints::JOINTS
+        }
     }
 
     /// Number of rows of each kind that the cell needs at a place.
@@ -190,7 +192,10 @@ impl<'a, 'b> LimitedCell<'a, 'b> {
         if self.segment.is_line() {
             return 1;
         }
-        self.limiting().iter().map(|limiting| limiting.get().len()).max().unwrap_or(7)
+        let ([_, at_start], _) = self.at_start();
+        let [_, acceleration, jerk] = self.segment.limiting.as_array();
+        let limiting = [self.limiting_at_start(&at_start), acceleration, jerk];
+        limiting.map(|limiting| limiting.get().len()).into_iter().fold(0, usize::max)
     }
 }
 
@@ -218,7 +223,7 @@ impl<const J: usize> CellBlock<J> {
         Self::SIDES + LANES * BoundedRow::SIDES * others
     }
 
-    /// Sets the rows of at most eight cells in a cleared block.
+    /// Sets the rows of at most eight cells. Slacks and duals are set by [`start`](Self::start).
     pub(crate) fn set(&mut self, segments: &[LimitedSegment<'_>], mesh: &Mesh, cells: &[usize]) {
         self.cells = std::array::from_fn(|l| cells[l.min(cells.len() - 1)]);
         for rows in &mut self.accelerations {
@@ -229,16 +234,6 @@ impl<const J: usize> CellBlock<J> {
             block.set_cell(lane, &LimitedCell::new(segments, mesh, *k));
         }
         block.set_others(mesh);
-    }
-
-    /// Clears all rows of a used block. This happens in place, because copying an empty block moves
-    /// some kilobytes.
-    pub(crate) fn clear(&mut self) {
-        let Self { velocities, accelerations, jerks, others, .. } = self;
-        velocities.fill(VelocityRows::default());
-        accelerations.as_flattened_mut().fill(BoundedRow::default());
-        jerks.as_flattened_mut().fill(JerkRow::default());
-        others.iter_mut().for_each(Vec::clear);
     }
 
     /// True if a cell of the block is in `window`.
@@ -316,6 +311,10 @@ impl AnyBlock<'_> {
     fn set_cell(&mut self, lane: usize, limited: &LimitedCell<'_, '_>) {
         let segment = limited.segment;
         let length = limited.cell.length;
+        self.weight.0[lane] = 0.5 * length;
+        if let (Some(shares), None) = (segment.line_shares, limited.before) {
+            return self.set_on_line(lane, limited.cell, &shares);
+        }
         // At the start, one third, the middle, two thirds and the end.
         let [start, third, middle, two_thirds, end] =
             [0, 2, 3, 4, 6].map(|place| segment.derivatives_at(limited.geometry, place));
@@ -323,9 +322,9 @@ impl AnyBlock<'_> {
         let both_start = both.as_ref().unwrap_or(&start);
         let [velocity, acceleration, full_jerk] = LimitKind::ALL.map(|kind| &segment.inverse[kind]);
         let jerk = &full_jerk.map(|inverse| inverse / limited.cell.jerk_rel);
-        let [start_limiting, acceleration_limiting, jerk_limiting] = &limited.limiting();
+        let start_limiting = limited.limiting_at_start(start_acceleration);
+        let [_, acceleration_limiting, jerk_limiting] = segment.limiting.as_array();
 
-        self.weight.0[lane] = 0.5 * length;
         let [first, second, third_control] = self.velocities;
         first.set(lane, &both_start[0], start_velocity);
         second.set(lane, &third[0], velocity);
@@ -353,6 +352,21 @@ impl AnyBlock<'_> {
         }
     }
 
+    /// Sets the rows of a cell on a line, all of whose limits are those of the segment, from its
+    /// [`shares`](LimitedSegment::line_shares).
+    fn set_on_line(&mut self, lane: usize, cell: &Cell, shares: &ByKind<f64>) {
+        let [velocity, acceleration, jerk] = shares.into_array();
+        for row in self.velocities.iter_mut() {
+            row.set_on_line(lane, velocity);
+        }
+        for row in self.accelerations.iter_mut().flat_map(|rows| rows.iter_mut()) {
+            row.set_on_line(lane, acceleration, cell.length);
+        }
+        for row in self.jerks.iter_mut().flat_map(|rows| rows.iter_mut()) {
+            row.set_on_line(lane, jerk / cell.jerk_rel, cell.length);
+        }
+    }
+
     /// Sets the rows of further limits. Cells in which no row can be active keep rows with zero
     /// coefficients, which are always feasible.
     fn set_others(&mut self, mesh: &Mesh) {
@@ -362,6 +376,7 @@ impl AnyBlock<'_> {
         };
         let near: Vec<usize> = (0..max_count).filter(is_near).collect();
         for (place, others) in self.others.iter_mut().enumerate() {
+            others.clear();
             others.resize(near.len(), BoundedRow::default());
             BoundedRow::set_bounds(others);
             for (lane, k) in self.cells.iter().enumerate() {
@@ -379,7 +394,7 @@ impl AnyBlock<'_> {
     fn lower(&mut self, first: usize, by: &[Lowering]) {
         for (lane, cell) in self.cells.iter().enumerate() {
             let by = cell.checked_sub(first).and_then(|k| by.get(k));
-            let Some(by) = by else { continue };
+            let Some(by) = by.filter(|by| !by.is_none()) else { continue };
             let [velocity, acceleration, jerk] = by.of.into_array();
             self.others
                 .iter_mut()
@@ -424,13 +439,10 @@ impl AnyBlock<'_> {
         }
     }
 
-    /// Values of the cells, one array of lanes for each component.
+    /// State of a cell.
     #[inline(always)]
-    fn gather(&self, states: &[CellState]) -> [Lanes; 4] {
-        let [a, b, c, d, e, f, g, h] = *self.cells;
-        let [a, b, c, d] = [&states[a], &states[b], &states[c], &states[d]];
-        let [e, f, g, h] = [&states[e], &states[f], &states[g], &states[h]];
-        columns([a, b, c, d, e, f, g, h])
+    fn of<'b>(&self, lane: usize, states: &'b [CellState]) -> &'b CellState {
+        &states[self.cells[lane]]
     }
 
     #[inline(never)]
@@ -441,9 +453,8 @@ impl AnyBlock<'_> {
                 // Moved in, so that the closure itself is inlined instead of called through a shim.
                 let mut block = self;
                 let has_others = block.has_others();
-                let lanes = block.gather(states);
                 for register in 0..registers::<S>() {
-                    let y = &lanes.map(|lanes| lanes.load(simd, register));
+                    let y = &columns(simd, register, |lane| block.of(lane, states));
                     let start = &InteriorStart::new(simd, register, start);
                     let [first, second, third] = block.velocities;
                     first.start::<StartX, S>(start, y);
@@ -484,13 +495,12 @@ impl AnyBlock<'_> {
             move || {
                 // Moved in, so that the closure itself is inlined instead of called through a shim.
                 let mut block = self;
-                let lanes = block.gather(states);
                 let mut h = [Lanes::default(); 10];
                 let mut g = [Lanes::default(); 4];
                 let mut gap = Lanes::default();
                 let has_others = block.has_others();
                 for r in 0..registers::<S>() {
-                    let y = &lanes.map(|lanes| lanes.load(simd, r));
+                    let y = &columns(simd, r, |lane| block.of(lane, states));
                     let sum = &mut Terms::new(simd);
                     let steps = &InteriorSteps::new(simd, r, last, next);
                     let weight = block.weight.load(simd, r);
@@ -520,17 +530,25 @@ impl AnyBlock<'_> {
                     JerkRow::add::<LINE, MiddleX, MiddleV, MiddleW, S>(
                         in_middle, steps, y, zero, sum,
                     );
-                    std::iter::zip(&mut h, sum.h).for_each(|(lanes, h)| lanes.store(r, h));
-                    std::iter::zip(&mut g, sum.g).for_each(|(lanes, g)| lanes.store(r, g));
+                    for i in 0..10 {
+                        h[i].store(r, sum.h[i]);
+                    }
+                    for a in 0..4 {
+                        g[a].store(r, sum.g[a]);
+                    }
                     gap.store(r, sum.gap);
                     sums.residual = sums.residual.max(sum.residual.largest());
                 }
                 sums.gap = gap.add_to(sums.gap);
-                for (lane, cell) in block.cells.iter().enumerate() {
-                    quadratics[*cell] = Quadratic {
-                        h: h.map(|value| value.0[lane]),
-                        g: g.map(|value| value.0[lane]),
-                    };
+                for lane in 0..LANES {
+                    // Entry by entry: a new `Quadratic` would be copied once more.
+                    let Quadratic { h: to_h, g: to_g } = &mut quadratics[block.cells[lane]];
+                    for i in 0..10 {
+                        to_h[i] = h[i].0[lane];
+                    }
+                    for a in 0..4 {
+                        to_g[a] = g[a].0[lane];
+                    }
                 }
             },
         );
@@ -551,12 +569,14 @@ impl AnyBlock<'_> {
                 // Moved in, so that the closure itself is inlined instead of called through a shim.
                 let mut block = self;
                 let has_others = block.has_others();
-                let (lanes, lane_steps) = (block.gather(states), block.gather(state_steps));
                 let mu = Vector::splat(simd, mu);
                 for r in 0..registers::<S>() {
-                    let before = &lanes.map(|lanes| lanes.load(simd, r));
-                    let after: &[_; 4] =
-                        &std::array::from_fn(|a| before[a] + lane_steps[a].load(simd, r));
+                    let before = &columns(simd, r, |lane| block.of(lane, states));
+                    let mut after = columns(simd, r, |lane| block.of(lane, state_steps));
+                    for a in 0..4 {
+                        after[a] = before[a] + after[a];
+                    }
+                    let after = &after;
                     let decreases = &mut Decreases::new(simd);
                     let [first, second, third] = block.velocities;
                     first.find_steps::<StartX, S>(r, after, decreases);

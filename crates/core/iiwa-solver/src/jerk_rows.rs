@@ -33,7 +33,7 @@ impl JerkRow {
     pub(crate) const SIDES: usize = Sides::COUNT;
 
     /// Sets the rows of a cell of this `length` for some `coordinates`, from the reciprocals of the
-    /// limits (s^3/rad).
+    /// limits (s^3/rad). Other rows get zero coefficients.
     pub(crate) fn set(
         rows: &mut [Self],
         lane: usize,
@@ -42,16 +42,25 @@ impl JerkRow {
         length: f64,
         inverse: &Coordinates,
     ) {
-        let (one, two) = (1.5 / length, 0.5 / (length * length));
         if let [line] = rows {
-            line.w.0[lane] = largest_share(dq, inverse) * two;
-            return;
+            return line.set_on_line(lane, largest_share(dq, inverse), length);
         }
-        for (row, &j) in rows.iter_mut().zip(coordinates) {
+        let (one, two) = (1.5 / length, 0.5 / (length * length));
+        let (used, unused) = rows.split_at_mut(coordinates.len());
+        for (row, &j) in used.iter_mut().zip(coordinates) {
             row.x.0[lane] = dddq[j] * inverse[j];
             row.v.0[lane] = ddq[j] * inverse[j] * one;
             row.w.0[lane] = dq[j] * inverse[j] * two;
         }
+        for row in unused {
+            (row.x.0[lane], row.v.0[lane], row.w.0[lane]) = (0.0, 0.0, 0.0);
+        }
+    }
+
+    /// Sets the row of a cell on a line, from the largest share of a limit for a jerk of sigma of
+    /// 1 rad/s^3.
+    pub(crate) fn set_on_line(&mut self, lane: usize, share: f64, length: f64) {
+        self.w.0[lane] = share * (0.5 / (length * length));
     }
 
     /// Tightens the limits of a cell by the factor `by`.

@@ -34,16 +34,24 @@ pub(crate) fn registers<S: Simd>() -> usize {
     LANES / S::F64_LANES
 }
 
-/// Returns the columns of eight rows, one row for each lane.
+/// Returns the columns of eight rows, one row for each lane: their part in a `register`.
 ///
 /// Written out: closures of `array::from_fn` would be compiled without vector instructions, and
 /// lanes that are stored one by one are slow to load as a vector.
 #[inline(always)]
-pub(crate) fn columns<const N: usize>(rows: [&[f64; N]; LANES]) -> [Lanes; N] {
-    let [a, b, c, d, e, f, g, h] = rows;
-    let mut columns = [Lanes::default(); N];
+pub(crate) fn columns<'a, S: Simd, const N: usize>(
+    simd: S,
+    register: usize,
+    row: impl Fn(usize) -> &'a [f64; N],
+) -> [Vector<S>; N] {
+    let first = register * S::F64_LANES;
+    // The register needs only its own lanes. The compiler omits the others.
+    let lane = |i: usize| first + if i < S::F64_LANES { i } else { 0 };
+    let (a, b, c, d) = (row(lane(0)), row(lane(1)), row(lane(2)), row(lane(3)));
+    let (e, f, g, h) = (row(lane(4)), row(lane(5)), row(lane(6)), row(lane(7)));
+    let mut columns = [Vector::splat(simd, 0.0); N];
     for i in 0..N {
-        columns[i] = Lanes([a[i], b[i], c[i], d[i], e[i], f[i], g[i], h[i]]);
+        columns[i] = Lanes([a[i], b[i], c[i], d[i], e[i], f[i], g[i], h[i]]).load(simd, 0);
     }
     columns
 }

@@ -48,6 +48,9 @@ pub struct LimitedSegment<'a> {
     unit: f64,
     /// dq/dsigma of a straight segment.
     direction: Option<Joints>,
+    /// Largest shares of the limits on a straight segment, for a speed, acceleration and jerk of
+    /// sigma of 1 rad/s, rad/s^2 and rad/s^3.
+    pub(crate) line_shares: Option<ByKind<f64>>,
     /// The curve as a graph in a plane, if it has this form.
     graph: Option<&'a dyn PlanarGraph>,
     /// Directions ahead and across of a line or a graph in a plane, perpendicular to each other.
@@ -91,6 +94,9 @@ impl<'a> LimitedSegment<'a> {
             with_tool(limits.of(kind), tool)
         });
         let inverse = limits.map(|_, limits| limits.map(|limit| 1.0 / limit));
+        let line_shares = direction.map(|direction| {
+            inverse.map(|_, inverse| largest_share(&with_tool(&direction, 0.0), &inverse))
+        });
         let min_build_up_s =
             std::iter::zip(&limits[LimitKind::Acceleration], &limits[LimitKind::Jerk])
                 .filter(|(_, jerk)| jerk.is_finite())
@@ -106,6 +112,7 @@ impl<'a> LimitedSegment<'a> {
             min_build_up_s,
             unit,
             direction,
+            line_shares,
             graph: if tool.is_none() { shape.as_planar_graph() } else { None },
             plane: [direction.unwrap_or_default(), [0.0; 7]],
             slope: 0.0,
@@ -506,33 +513,51 @@ impl<'a> LimitedSegment<'a> {
         geometry: &Geometry,
         rates: &[PlaceValues; 3],
     ) -> ByKind<f64> {
-        let at = |i: usize| rates.map(|rate| rate[i]);
-        let mut peaks = ByKind::<Peak>::default();
-        if let Geometry::General(_) = geometry {
-            let shares = self.sampled_shares(geometry, rates);
-            for (peak, shares) in std::iter::zip(peaks.values_mut(), shares) {
-                let limited = if self.has_tool() { 8 } else { 7 };
-                for shares in &shares[..limited] {
-                    peak.add(shares);
+        // Loops: closures that `map` calls would be compiled without vector registers.
+        let mut largest = [0.0; 3];
+        match geometry {
+            Geometry::Line => {
+                let shares = self.line_shares.unwrap_or_default().into_array();
+                for order in 0..3 {
+                    let mut peak = Peak::default();
+                    peak.add(&rates[order]);
+                    largest[order] = peak.get() * shares[order];
                 }
             }
-            return peaks.map(|_, peak| peak.get());
-        }
-        let mut of_plane = [[PlaceValues::default(); 2]; 3];
-        let across =
-            if let Geometry::Planar(across) = geometry { *across } else { Default::default() };
-        for i in 0..PlaceValues::default().len() {
-            let parts = in_plane(across.map(|derivative| derivative[i]), at(i));
-            for (of_plane, [along, aside]) in std::iter::zip(&mut of_plane, parts) {
-                (of_plane[0][i], of_plane[1][i]) = (along, aside);
+            Geometry::Planar([one, two, three]) => {
+                let [v, a, j] = rates;
+                let mut aside = [PlaceValues::default(); 3];
+                for i in 0..v.len() {
+                    aside[0][i] = one[i] * v[i];
+                    aside[1][i] = one[i] * a[i] + two[i] * v[i] * v[i];
+                    aside[2][i] =
+                        one[i] * j[i] + 3.0 * two[i] * v[i] * a[i] + three[i] * v[i] * v[i] * v[i];
+                }
+                for order in 0..3 {
+                    let mut peak = Peak::default();
+                    for [ahead, across] in self.limiting.as_array()[order].points() {
+                        let mut shares = PlaceValues::default();
+                        for i in 0..shares.len() {
+                            shares[i] = ahead * rates[order][i] + across * aside[order][i];
+                        }
+                        peak.add(&shares);
+                    }
+                    largest[order] = peak.get();
+                }
+            }
+            Geometry::General(_) => {
+                let limited = if self.has_tool() { 8 } else { 7 };
+                let shares = self.sampled_shares(geometry, rates);
+                for order in 0..3 {
+                    let mut peak = Peak::default();
+                    for shares in &shares[order][..limited] {
+                        peak.add(shares);
+                    }
+                    largest[order] = peak.get();
+                }
             }
         }
-        for ((kind, peak), [along, aside]) in std::iter::zip(&mut peaks, &of_plane) {
-            for [ahead, across] in self.limiting[kind].points() {
-                peak.add(&std::array::from_fn(|i| ahead * along[i] + across * aside[i]));
-            }
-        }
-        peaks.map(|_, peak| peak.get())
+        ByKind::from_array(largest)
     }
 }
 

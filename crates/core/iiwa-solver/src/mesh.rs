@@ -4,7 +4,7 @@
 //! acceleration-limited stamps switch from one limit to another, in blends, at the ends of blends,
 //! and next to rest, where sigma is proportional to t^3. Elsewhere they may be long.
 
-use std::ops::Range;
+use std::{cell::Cell as Cursor, ops::Range};
 
 use crate::{
     cell::{Cell, CellRows},
@@ -58,11 +58,11 @@ impl MeshSettings {
     }
 }
 
-/// An instant at which the acceleration-limited stamps switch, and the time in which jerk builds up
-/// acceleration there, in s.
+/// An instant at which the acceleration-limited stamps switch, and the longest duration of a cell
+/// there, in s.
 struct Switch {
     t_s: f64,
-    build_up_s: f64,
+    longest_s: f64,
 }
 
 /// A place in a segment, in rad from its start and from its end. The smaller distance has full
@@ -103,7 +103,11 @@ impl MeshPlace {
 
 /// The acceleration-limited stamps of a segment by the distance from its start, or from its end if
 /// `from_end`.
-struct Swept(Vec<SweptSample>);
+struct Swept {
+    samples: Vec<SweptSample>,
+    /// Index of the sample after the last distance that was looked up: the next one is near.
+    next: Cursor<usize>,
+}
 
 #[derive(Clone, Copy)]
 struct SweptSample {
@@ -119,18 +123,26 @@ impl Swept {
             x: segment.swept_x(node),
             t_s: node.t_s,
         };
-        Self(if from_end {
+        let samples = if from_end {
             segment.swept.iter().rev().map(sample).collect()
         } else {
             segment.swept.iter().map(sample).collect()
-        })
+        };
+        Self { samples, next: Cursor::new(1) }
     }
 
     /// x and time at the distance `way`, for constant acceleration between samples.
     fn at(&self, way: f64) -> SweptSample {
-        let next = self.0.partition_point(|sample| sample.way <= way);
-        let next = next.clamp(1, self.0.len() - 1);
-        let (a, b) = (self.0[next - 1], self.0[next]);
+        let samples = &self.samples;
+        let mut next = self.next.get();
+        while next + 1 < samples.len() && samples[next].way <= way {
+            next += 1;
+        }
+        while next > 1 && samples[next - 1].way > way {
+            next -= 1;
+        }
+        self.next.set(next);
+        let (a, b) = (samples[next - 1], samples[next]);
         let share = ((way - a.way) / (b.way - a.way)).clamp(0.0, 1.0);
         let x = a.x + share * (b.x - a.x);
         let mean = 0.5 * (a.x.sqrt() + x.sqrt());
@@ -149,7 +161,7 @@ pub(crate) fn mesh(
     refinement: f64,
 ) -> Option<Mesh> {
     let sizes = SETTINGS.refined(refinement);
-    let switches = switches(&segments[part.clone()]);
+    let switches = switches(&segments[part.clone()], sizes.switch);
     let mut cells = Vec::new();
     let mut near = 0..0;
     for index in part.clone() {
@@ -199,7 +211,7 @@ pub(crate) fn mesh(
             let SweptSample { x, t_s, .. } = swept_at(place);
             let duration_s = near
                 .iter()
-                .map(|near| sizes.switch * near.build_up_s + sizes.fade * (t_s - near.t_s).abs())
+                .map(|near| near.longest_s + sizes.fade * (t_s - near.t_s).abs())
                 .fold(f64::INFINITY, f64::min);
             let grown = |rest: Option<f64>, size: f64, way: f64| match rest {
                 Some(_) => sizes.rest_growth * way,
@@ -253,21 +265,24 @@ fn march(
         nodes.push(place);
     }
     let end = MeshPlace { start: length, end: 0.0 };
+    let mut size_here = size(place);
     while place.end > 0.0 {
         let after =
             |step: f64| if step < place.way_to(end) { place.after(step, length) } else { end };
         // The step is the smallest of the sizes at its start, middle and end. Its end must not be
         // too far ahead: a small size there would not apply here.
-        let mut step = size(place);
+        let mut step = size_here;
         let mut at_end = size(after(step));
         while at_end < MIN_SHRINKING * step {
             step *= 0.5;
             at_end = size(after(step));
         }
+        let whole = step;
         step = step.min(at_end);
         step = step.min(size(after(0.5 * step)));
         place = place.after(step, length);
         nodes.push(place);
+        size_here = if step == whole && place.end > 0.0 { at_end } else { size(place) };
         if nodes.len() > SETTINGS.max_nodes {
             return None;
         }
@@ -292,13 +307,14 @@ fn march(
     Some(nodes)
 }
 
-/// Instants at which the acceleration-limited stamps switch, in order.
-fn switches(segments: &[LimitedSegment<'_>]) -> Vec<Switch> {
+/// Instants at which the acceleration-limited stamps switch, in order. Cells there last at most
+/// `share` of the time in which jerk builds up acceleration.
+fn switches(segments: &[LimitedSegment<'_>], share: f64) -> Vec<Switch> {
     let mut switches = Vec::new();
     for segment in segments {
         let mut add = |node: &SweptNode| {
             let build_up_s = segment.build_up_s(segment.s(node.p * segment.length));
-            switches.push(Switch { t_s: node.t_s, build_up_s });
+            switches.push(Switch { t_s: node.t_s, longest_s: share * build_up_s });
         };
         if segment.is_line() && !segment.has_rows() {
             // The stamps of a line are the instants between its phases: each of them is a switch.

@@ -99,44 +99,26 @@ impl<'a> Parts<'a> {
         let mut next_length = Lanes::from_fn(|l| lengths[self.cell(l, self.stages)]);
         for stage in (0..self.stages).rev() {
             let at = |l: usize| first_of_lanes + l * self.stages + stage;
-            let [q0, q1, q2, q3] = [0, 1, 2, 3].map(|l| &quadratics[at(l)]);
-            let [q4, q5, q6, q7] = [4, 5, 6, 7].map(|l| &quadratics[at(l)]);
-            let h = &columns([&q0.h, &q1.h, &q2.h, &q3.h, &q4.h, &q5.h, &q6.h, &q7.h]);
-            let g = &columns([&q0.g, &q1.g, &q2.g, &q3.g, &q4.g, &q5.g, &q6.g, &q7.g]);
-            let [y0, y1, y2, y3] = [0, 1, 2, 3].map(|l| &states[at(l)]);
-            let [y4, y5, y6, y7] = [4, 5, 6, 7].map(|l| &states[at(l)]);
-            let y = columns([y0, y1, y2, y3, y4, y5, y6, y7]);
-            let length = Lanes([
-                lengths[at(0)],
-                lengths[at(1)],
-                lengths[at(2)],
-                lengths[at(3)],
-                lengths[at(4)],
-                lengths[at(5)],
-                lengths[at(6)],
-                lengths[at(7)],
-            ]);
+            let length = Lanes::from_fn(|l| lengths[at(l)]);
             let gain = &mut self.gains[stage];
             for r in 0..registers::<S>() {
                 let mut sum = Terms::new(simd);
-                for (vector, lanes) in sum.h.iter_mut().zip(h) {
-                    *vector = lanes.load(simd, r);
-                }
-                for (vector, lanes) in sum.g.iter_mut().zip(g) {
-                    *vector = lanes.load(simd, r);
-                }
-                let state = &load(simd, r, &y);
+                sum.h = columns(simd, r, |l| &quadratics[at(l)].h);
+                sum.g = columns(simd, r, |l| &quadratics[at(l)].g);
+                let state = &columns(simd, r, |l| &states[at(l)]);
                 let ratio = next_length.load(simd, r) * length.load(simd, r).inverse();
                 let defect = [
                     EndX::of(state) - next[0].load(simd, r),
                     ratio * EndV::of(state) - next[1].load(simd, r),
                 ];
+                next[0].store(r, state[0]);
+                next[1].store(r, state[1]);
                 let transition = Transition { ratio, defect };
                 let mut of_next = load(simd, r, &cost);
                 let [w0, w1] = if stage + 1 == self.stages {
                     end(&sum, &transition, &mut of_next)
                 } else {
-                    eliminate(sum, &transition, &mut of_next)
+                    eliminate(&mut sum, &transition, &mut of_next)
                 };
                 store(r, &mut cost, &of_next);
                 store(r, &mut gain.w0, &w0);
@@ -144,7 +126,6 @@ impl<'a> Parts<'a> {
                 gain.transition.ratio.store(r, ratio);
                 store(r, &mut gain.transition.defect, &defect);
             }
-            next = [y[0], y[1]];
             next_length = length;
         }
         cost
@@ -155,39 +136,42 @@ impl<'a> Parts<'a> {
     pub(crate) fn forwards<S: Simd>(&self, simd: S, between: &PartStates, steps: &mut [CellState]) {
         let at = |a: usize, after: usize| Lanes::from_fn(|l| between[l + after][a]);
         let (mut state, end) = ([at(0, 0), at(1, 0)], [at(0, 1), at(1, 1)]);
+        let mut step = [Lanes::default(); 4];
         for stage in 0..self.stages {
             let PartGain { w0, w1, transition } = &self.gains[stage];
-            let mut step = [state[0], state[1], Lanes::default(), Lanes::default()];
             for r in 0..registers::<S>() {
                 let [x, v] = load(simd, r, &state);
                 let [e, f] = load(simd, r, &end);
-                let (w0, w1) = (load(simd, r, w0), load(simd, r, w1));
-                let w = -w0[0].mul_add(x, w0[1].mul_add(v, ends(&w0, e, f)));
-                let z = -w1[0].mul_add(x, w1[1].mul_add(v, ends(&w1, e, f)));
-                let y = &[x, v, w, z];
+                let of = [x, v, e, f];
+                let y = &[x, v, control(r, w0, of), control(r, w1, of)];
                 let [dx, dv] = load(simd, r, &transition.defect);
                 let next_v = transition.ratio.load(simd, r).mul_add(EndV::of(y), dv);
                 store(r, &mut state, &[EndX::of(y) + dx, next_v]);
                 store(r, &mut step, y);
             }
             for l in 0..LANES {
-                steps[self.cell(l, stage)] = step.map(|lanes| lanes.0[l]);
+                let to = &mut steps[self.cell(l, stage)];
+                for a in 0..4 {
+                    to[a] = step[a].0[l];
+                }
             }
         }
     }
 }
 
-/// Part of a control that is constant along its part of the chain.
+/// Step of a control by its feedback `w`.
 #[inline(always)]
-fn ends<S: Simd>(w: &[Vector<S>; 5], e: Vector<S>, f: Vector<S>) -> Vector<S> {
-    w[2].mul_add(e, w[3].mul_add(f, w[4]))
+fn control<S: Simd>(r: usize, w: &[Lanes; 5], [x, v, e, f]: [Vector<S>; 4]) -> Vector<S> {
+    let simd = x.simd();
+    let by_end = w[2].load(simd, r).mul_add(e, w[3].load(simd, r).mul_add(f, w[4].load(simd, r)));
+    -w[0].load(simd, r).mul_add(x, w[1].load(simd, r).mul_add(v, by_end))
 }
 
 /// Eliminates W1 and then W0 of a stage. `cost` is the cost from the next stage on, and becomes
 /// that from this stage on. Returns the feedback of both.
 #[inline(always)]
 fn eliminate<S: Simd>(
-    mut stage: Terms<S>,
+    stage: &mut Terms<S>,
     Transition { ratio, defect: [dx, dv] }: &Transition<Vector<S>>,
     cost: &mut PartCost<Vector<S>>,
 ) -> [[Vector<S>; 5]; 2] {

@@ -30,7 +30,7 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use pulp::Simd;
+use pulp::{Scalar, Simd};
 use thiserror::Error;
 
 use crate::{
@@ -38,7 +38,7 @@ use crate::{
     cell::Cell,
     cell_functions::{CellState, EndV, EndX, Functional, Quadratic, StartX},
     cells::{LargestDecreases, LimitSums, Lowering},
-    lanes::dispatch,
+    lanes::{LANES, Lanes, columns, dispatch, registers},
     limited_segment::LimitedSegment,
     mesh::Mesh,
     rests::{RestCell, Rests, ScalarSlackPair},
@@ -258,7 +258,7 @@ impl Solver {
 
     /// Resets slacks and duals after limits have changed.
     pub(crate) fn restart(&mut self, start: WarmStart) {
-        let mu = start.mu * self.duration_s() / self.limits();
+        let mu = start.mu * self.duration_s(Scalar::new()) / self.limits();
         self.mu = mu;
         self.last = InteriorStep::default();
         let start = SlackStart { mu, min_slack: start.slack, kept: start.kept };
@@ -331,12 +331,26 @@ impl Solver {
     }
 
     /// Duration of the window, as the objective approximates it: by the trapezoidal rule.
-    fn duration_s(&self) -> f64 {
+    #[inline(always)]
+    fn duration_s<S: Simd>(&self, simd: S) -> f64 {
         let window = self.window.clone();
-        let cells = std::iter::zip(&self.lengths[window.clone()], &self.states[window]);
-        let moving: f64 = cells
-            .map(|(h, y)| 0.5 * h * (1.0 / y[0].sqrt() + 1.0 / riccati::dot(&EndX::ROW, y).sqrt()))
-            .sum();
+        let (lengths, states) = (&self.lengths[window.clone()], &self.states[window]);
+        let mut sums = Lanes::default();
+        // The last cells are counted one by one below.
+        let eights = lengths.len() / LANES;
+        for k in (0..eights).map(|eight| eight * LANES) {
+            for r in 0..registers::<S>() {
+                let y = &columns(simd, r, |lane| &states[k + lane]);
+                let [length] = columns(simd, r, |lane| std::array::from_ref(&lengths[k + lane]));
+                let (start, end) = (StartX::of(y).sqrt(), EndX::of(y).sqrt());
+                let sum = (start + end) * (start * end).inverse();
+                sums.store(r, length.mul_add(sum, sums.load(simd, r)));
+            }
+        }
+        let mut moving = 0.5 * sums.add_to(0.0);
+        for (h, y) in std::iter::zip(lengths, states).skip(eights * LANES) {
+            moving += 0.5 * h * (1.0 / y[0].sqrt() + 1.0 / riccati::dot(&EndX::ROW, y).sqrt());
+        }
         let rests = self.rests.within(&self.window).map(|rest| rest.duration_s(&self.states));
         moving + rests.sum::<f64>()
     }
@@ -408,7 +422,7 @@ impl Solver {
                 return Err(SolveError::NotConverged);
             }
             self.step(primal, dual);
-            let duration_s = self.duration_s();
+            let duration_s = self.duration_s(simd);
             self.gap = sums.gap / duration_s;
             if !duration_s.is_finite() {
                 return Err(SolveError::NotConverged);

@@ -8,6 +8,7 @@ use pulp::Simd;
 use crate::{
     cell_functions::{Functional, Terms},
     lanes::{Lanes, Vector},
+    limited_segment::largest_share,
     slack_pair::{Contribution, Decreases, InteriorStart, InteriorSteps, Sides},
 };
 
@@ -25,8 +26,13 @@ impl VelocityRows {
 
     /// Sets the row of a cell from dq/dsigma and the reciprocals of the limits (s/rad).
     pub(crate) fn set(&mut self, lane: usize, dq: &Coordinates, inverse: &Coordinates) {
-        let largest = std::iter::zip(dq, inverse).map(|(d, i)| (d * i).powi(2)).fold(0.0, f64::max);
-        self.x.0[lane] = largest;
+        self.set_on_line(lane, largest_share(dq, inverse));
+    }
+
+    /// Sets the row of a cell on a line, from the largest share of a limit for a speed of sigma of
+    /// 1 rad/s.
+    pub(crate) fn set_on_line(&mut self, lane: usize, share: f64) {
+        self.x.0[lane] = share * share;
     }
 
     /// Tightens the limit of a cell by the factor `by`.

@@ -161,7 +161,9 @@ impl Stamper {
                 let way = [cell.from + from * cell.length, (to - from) * cell.length];
                 self.node(segment, way, [self.t_s, dt], [x, dx]);
                 self.usage(segment, (&geometry, place), solution.rates(k, middle), dt);
-                self.rows(solution.row_shares(k, middle), dt);
+                if segment.has_rows() {
+                    self.rows(solution.row_shares(k, middle), dt);
+                }
                 self.t_s = later(self.start_s, self.t_s, dt);
             }
             if cells.get(k + 1).is_none_or(|next| next.segment != cell.segment) {
