@@ -223,7 +223,8 @@ impl<const J: usize> CellBlock<J> {
         Self::SIDES + LANES * BoundedRow::SIDES * others
     }
 
-    /// Sets the rows of at most eight cells. Slacks and duals are set by [`start`](Self::start).
+    /// Sets the rows of at most eight cells. The block may have been used before: its slacks and
+    /// duals have no meaning until [`start`](Self::start) resets them.
     pub(crate) fn set(&mut self, segments: &[LimitedSegment<'_>], mesh: &Mesh, cells: &[usize]) {
         self.cells = std::array::from_fn(|l| cells[l.min(cells.len() - 1)]);
         for rows in &mut self.accelerations {

@@ -282,7 +282,8 @@ fn march(
         step = step.min(size(after(0.5 * step)));
         place = place.after(step, length);
         nodes.push(place);
-        size_here = if step == whole && place.end > 0.0 { at_end } else { size(place) };
+        // At the place that was looked at before, unless the step was shortened.
+        size_here = if step == whole { at_end } else { size(place) };
         if nodes.len() > SETTINGS.max_nodes {
             return None;
         }

@@ -200,10 +200,16 @@ impl SlackPair {
         let s = room.max(min_slack);
         let inverse = s.inverse();
         let balanced = start.mu * inverse;
-        let z = self.z.load(simd, r);
+        // A dual that is reset may be of another problem, and no number.
+        let z = if start.kept == 1.0 {
+            balanced
+        } else {
+            let z = self.z.load(simd, r);
+            z.max(balanced * (1.0 / start.kept)).min(balanced * start.kept)
+        };
         self.s.store(r, s);
         self.inverse.store(r, inverse);
-        self.z.store(r, z.max(balanced * (1.0 / start.kept)).min(balanced * start.kept));
+        self.z.store(r, z);
         self.ds = Lanes::default();
     }
 
