@@ -39,6 +39,7 @@ mod motion_limits;
 mod motion_list;
 mod motion_path;
 mod motion_type;
+mod moved_cell;
 mod name_place;
 mod placed_frame;
 mod program;

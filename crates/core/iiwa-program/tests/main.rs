@@ -7,6 +7,7 @@ mod io;
 mod labels;
 mod limits;
 mod loads;
+mod moved_cell;
 mod reader;
 mod repeats;
 mod shapes;
