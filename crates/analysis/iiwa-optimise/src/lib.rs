@@ -6,7 +6,7 @@
 //! plan, and kept if it saves time. Targets, speeds of TCP paths, inputs, outputs and the order of
 //! motions stay as they are, and so do waits unless they are [freed](Freedom::ALL); with a blend,
 //! the TCP passes its target within the radius. [`Optimiser::optimise`] makes such changes until
-//! none saves more time.
+//! none saves more time. [`Optimiser::place`] searches for the place of the robot in its cell.
 //!
 //! ```
 //! use iiwa_kin::Robot;
@@ -39,6 +39,7 @@ mod elbow_chain;
 mod elbows;
 mod freedom;
 mod optimiser;
+mod place;
 mod results;
 mod search_settings;
 mod speeds;
@@ -47,4 +48,5 @@ mod waits;
 pub use change::{Change, ChangeKind};
 pub use freedom::Freedom;
 pub use optimiser::Optimiser;
+pub use place::{Place, PlaceGrid, Placement, TimedPlace};
 pub use results::{Advice, AdviceRow, Optimum};

@@ -90,7 +90,16 @@ impl Optimiser {
     ///
     /// If the program cannot be planned.
     pub fn plan(&self, program: &Program) -> Result<Trajectory, PlanError> {
-        self.settings.cycle_times(&AtomicU64::new(0)).plan(program)
+        self.plan_counted(program, &AtomicU64::new(0))
+    }
+
+    /// Plans a whole program, and counts the plan in `plans`.
+    pub(crate) fn plan_counted(
+        &self,
+        program: &Program,
+        plans: &AtomicU64,
+    ) -> Result<Trajectory, PlanError> {
+        self.settings.cycle_times(plans).plan(program)
     }
 
     /// Searches for changes of `program` that save at least a millisecond each.
@@ -208,7 +217,7 @@ impl Optimiser {
     }
 
     /// To the search, a plan that was interrupted is a change that is not possible.
-    fn check_stop(&self) -> Result<(), PlanError> {
+    pub(crate) fn check_stop(&self) -> Result<(), PlanError> {
         if self.settings.stop.load(Relaxed) { Err(TimingError::Interrupted.into()) } else { Ok(()) }
     }
 }

@@ -5,5 +5,6 @@
 
 mod advice;
 mod optimum;
+mod place;
 mod production;
 mod untouched;

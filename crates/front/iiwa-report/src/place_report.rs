@@ -1,0 +1,137 @@
+//! Places of the robot in its cell, as text and as JSON.
+
+use std::fmt::Write as _;
+
+use iiwa_optimise::{PlaceGrid, Placement, TimedPlace};
+use serde::Serialize;
+
+use crate::{
+    signed::rounded,
+    table::{fitted, table},
+};
+
+/// Places of the robot with the cycle time of a program. As JSON, this is the object of
+/// `iiwasim place --json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlaceReport {
+    /// Cycle time where the robot stands.
+    cycle_time_s: f64,
+    /// The fastest place that was found; none if no place saves a millisecond.
+    best: Option<PlaceRow>,
+    /// Number of joint positions, which stay as they are, among the targets of all rounds.
+    joint_targets: usize,
+    /// Number of plans that were compared.
+    plans: u64,
+    /// Places on the grid: x changes fastest, then y, then z.
+    places: Vec<PlaceRow>,
+    #[serde(skip)]
+    axes: [Vec<f64>; 2],
+}
+
+/// A place of the robot, from where it stands, and the cycle time there.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct PlaceRow {
+    x_mm: f64,
+    y_mm: f64,
+    z_mm: f64,
+    yaw_deg: f64,
+    /// None if the robot cannot execute the program there.
+    cycle_time_s: Option<f64>,
+}
+
+impl PlaceRow {
+    fn new(timed: &TimedPlace) -> Self {
+        let [x_mm, y_mm, z_mm] = timed.place.shift_m.map(|shift| rounded(1e3 * shift, 6));
+        let yaw_deg = rounded(timed.place.yaw_rad.to_degrees(), 6);
+        let cycle_time_s = timed.cycle_time_s.map(|time| rounded(time, 9));
+        Self { x_mm, y_mm, z_mm, yaw_deg, cycle_time_s }
+    }
+}
+
+impl PlaceReport {
+    /// Creates the report of a search on `grid`. `joint_targets` is the number of joint positions
+    /// among the targets of the program.
+    #[must_use]
+    pub fn new(placement: &Placement, grid: &PlaceGrid, joint_targets: usize) -> Self {
+        let [x, y, _] = &grid.shifts_m;
+        Self {
+            cycle_time_s: rounded(placement.cycle_time_s, 9),
+            best: placement.best.as_ref().map(PlaceRow::new),
+            joint_targets,
+            plans: placement.plans,
+            places: placement.places.iter().map(PlaceRow::new).collect(),
+            axes: [x, y].map(|axis| axis.iter().map(|value| rounded(1e3 * value, 6)).collect()),
+        }
+    }
+
+    /// Writes the report as text, with tables that are at most `width` columns wide, if given.
+    #[must_use]
+    pub fn text(&self, width: Option<u16>) -> String {
+        let Self { cycle_time_s, places, best, plans, .. } = self;
+        let mut text = String::new();
+        if let Some(layer) = self.layer() {
+            let [x, y] = &self.axes;
+            let (z_mm, yaw_deg) = (layer[0].z_mm, layer[0].yaw_deg);
+            let _ = writeln!(
+                text,
+                "Cycle time in s with the robot's base at x (across) and y (down), at z {z_mm} mm \
+                 and a yaw of {yaw_deg} deg:\n"
+            );
+            let head: Vec<_> = x.iter().map(|x_mm| format!("x {x_mm} mm")).collect();
+            let head = ["y mm"].into_iter().chain(head.iter().map(String::as_str));
+            let mut rows = table(&head.collect::<Vec<_>>());
+            for (y_mm, row) in y.iter().zip(layer.chunks(x.len())) {
+                let times = row.iter().map(|place| match place.cycle_time_s {
+                    Some(time) => format!("{time:.3}"),
+                    None => "-".to_owned(),
+                });
+                rows.add_row([y_mm.to_string()].into_iter().chain(times));
+            }
+            text.push_str(&fitted(rows, width));
+            text.push_str("\n\n");
+        }
+        let possible = places.iter().filter(|place| place.cycle_time_s.is_some()).count();
+        let _ = writeln!(
+            text,
+            "The robot can execute the program at {possible} of {} places; {plans} plans compared",
+            places.len()
+        );
+        match best {
+            Some(PlaceRow { x_mm, y_mm, z_mm, yaw_deg, cycle_time_s: Some(best_s) }) => {
+                let [x, y, z, yaw] = [x_mm, y_mm, z_mm, yaw_deg].map(|value| rounded(*value, 1));
+                let percent = 100.0 * (best_s / cycle_time_s - 1.0);
+                let _ = writeln!(
+                    text,
+                    "Fastest at x {x} mm, y {y} mm, z {z} mm, yaw {yaw} deg: {best_s:.3} s instead \
+                     of {cycle_time_s:.3} s, {:+.3} s ({percent:+.1} %)",
+                    best_s - cycle_time_s
+                );
+            }
+            _ => {
+                let _ = writeln!(
+                    text,
+                    "No place saves a millisecond of the cycle time of {cycle_time_s:.3} s"
+                );
+            }
+        }
+        if self.joint_targets > 0 {
+            text.push_str(
+                "Targets in joints stay as they are: the TCP is elsewhere in the cell there.\n",
+            );
+        }
+        text.push_str("Places are not checked for collisions.\n");
+        text
+    }
+
+    /// Places with the z and the yaw of the fastest place on the grid, if they differ in x or y.
+    fn layer(&self) -> Option<&[PlaceRow]> {
+        let per_layer = self.axes[0].len() * self.axes[1].len();
+        let timed = |layer: &&[PlaceRow]| {
+            let times = layer.iter().filter_map(|place| place.cycle_time_s);
+            times.fold(f64::INFINITY, f64::min)
+        };
+        let layers = self.places.chunks(per_layer.max(1));
+        let fastest = layers.min_by(|a, b| timed(a).total_cmp(&timed(b)));
+        fastest.filter(|_| per_layer > 1)
+    }
+}
