@@ -26,6 +26,7 @@ mod link;
 mod log_reading;
 mod model;
 mod optimise;
+mod place;
 mod plan;
 mod report;
 #[cfg(feature = "live")]
@@ -68,10 +69,11 @@ pub(crate) use identify::Identify;
 pub(crate) use log_reading::LogReading;
 pub(crate) use model::{Fk, Ik, OutputFormat, Robot, Schema, ToolAndBase};
 pub(crate) use optimise::Optimise;
+pub(crate) use place::Place;
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
-pub(crate) use search_options::SearchOptions;
+pub(crate) use search_options::{SearchInput, SearchOptions};
 pub(crate) use shell::{Completions, Man};
 pub(crate) use urdf::Urdf;
 pub(crate) use validate::Validate;
@@ -191,6 +193,7 @@ pub(crate) enum CliCommand {
     Diff(Diff),
     Advise(Advise),
     Optimise(Optimise),
+    Place(Place),
     Report(Report),
     Identify(Identify),
     Validate(Validate),

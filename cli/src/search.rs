@@ -1,6 +1,8 @@
 //! Searches for changes that make a program faster.
 
 use std::{
+    fs,
+    path::Path,
     sync::{atomic::Ordering::Relaxed, mpsc},
     thread,
     time::Duration,
@@ -8,14 +10,15 @@ use std::{
 
 use iiwa_files::interrupt;
 use iiwa_optimise::Optimiser;
-use iiwa_plan::{Error, Plan};
+use iiwa_plan::{Error, Plan, ProgramSource};
+use iiwa_program::Program;
 use iiwa_report::carried;
 use iiwa_scene::{AllowedClearances, ArmInScene, Scene};
 use iiwa_traj::{PlanError, SweepOptions, Trajectory};
 
 use crate::{
     application::program_or_application,
-    args::SearchOptions,
+    args::{SearchInput, SearchOptions},
     failure::Failure,
     input::{self, Input},
     output,
@@ -27,6 +30,7 @@ pub(crate) type PathRule<'a> = &'a (dyn Fn(&Trajectory) -> bool + Sync);
 
 /// A program with its plan, and what a search for changes needs.
 pub(crate) struct SearchedProgram<'a> {
+    options: &'a SearchInput,
     pub(crate) input: &'a Input,
     pub(crate) plan: &'a Plan,
     pub(crate) optimiser: Optimiser,
@@ -36,9 +40,9 @@ pub(crate) struct SearchedProgram<'a> {
 }
 
 impl SearchedProgram<'_> {
-    /// Reads and plans the program, measures its clearances, and calls `work`.
-    pub(crate) fn with(
-        options: &SearchOptions,
+    /// Reads and plans the program, and calls `work`.
+    pub(crate) fn read(
+        options: &SearchInput,
         work: impl FnOnce(SearchedProgram<'_>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let robot = options.robot.as_deref();
@@ -50,12 +54,29 @@ impl SearchedProgram<'_> {
         let plan = input.request.plan_with(&mut None, &input.source, &interrupt::flag());
         let plan = plan.map_err(|error| input.to_failure(&error))?;
         let optimiser = Optimiser::new(plan.robot().clone(), input.request.options)
-            .with_max_blend_mm(options.max_blend_mm)
             .interrupted_by(interrupt::flag());
-        let search =
-            SearchedProgram { input: &input, plan: &plan, optimiser, scene: None, rule: None };
-        let Some(scene) = &options.scene else { return work(search) };
+        let (input, plan) = (&input, &plan);
+        work(SearchedProgram { options, input, plan, optimiser, scene: None, rule: None })
+    }
+
+    /// Reads and plans the program, measures its clearances, and calls `work`.
+    pub(crate) fn with(
+        options: &SearchOptions,
+        work: impl FnOnce(SearchedProgram<'_>) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        SearchedProgram::read(&options.input, |search| search.in_scene(options, work))
+    }
+
+    /// Measures the clearances of the program, and calls `work`.
+    fn in_scene(
+        mut self,
+        options: &SearchOptions,
+        work: impl FnOnce(SearchedProgram<'_>) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        self.optimiser = self.optimiser.with_max_blend_mm(options.max_blend_mm);
+        let Some(scene) = &options.scene else { return work(self) };
         let scene = input::scene(scene)?;
+        let Self { input, plan, .. } = self;
         let shapes = carried(&input.source).map_err(|error| input.to_failure(&error))?;
         let arm = ArmInScene::new(plan.robot(), &scene).carrying(&shapes);
         let min_m = 1e-3 * options.min_clearance;
@@ -69,7 +90,7 @@ impl SearchedProgram<'_> {
                 ))
             })?;
         let rule = |trajectory: &Trajectory| clearances.allow(trajectory);
-        work(SearchedProgram { scene: Some(&scene), rule: Some(&rule), ..search })
+        work(SearchedProgram { scene: Some(&scene), rule: Some(&rule), ..self })
     }
 
     /// Runs a search with its progress.
@@ -101,8 +122,53 @@ impl SearchedProgram<'_> {
         })
     }
 
+    /// Plans a changed program from its text, as it is written to the folder of `beside`: with the
+    /// robot and the files that it names. It has to take `cycle_time_s`.
+    pub(crate) fn planned_again(
+        &self,
+        changed: &Program,
+        cycle_time_s: f64,
+        beside: &Path,
+    ) -> Result<(Input, Plan), Failure> {
+        const TOLERANCE_S: f64 = 1e-6;
+
+        let name = &self.input.name;
+        let wrong = |what: &str| {
+            Failure::input(format!("{name}: the changed program {what}; nothing is written"))
+        };
+        let mut program = changed.clone();
+        let usual = input::usual_robot().filter(|_| program.robot.is_none());
+        if let Some(robot) = self.options.robot.as_deref().or(usual) {
+            program.robot = Some(named(&program, robot));
+        }
+        let source = ProgramSource::beside(beside, &program.to_json());
+        let source = source.map_err(|error| wrong(&format!("cannot be read again: {error}")))?;
+        let mut request = input::request(&source, None)?;
+        request.options = self.input.request.options;
+        let changed = Input { name: name.clone(), source, request };
+        let planned = changed.plan()?;
+        let again_s = planned.trajectory.cycle_time_s();
+        if (again_s - cycle_time_s).abs() > TOLERANCE_S {
+            return Err(wrong(&format!("takes {again_s:.6} s when it is planned again")));
+        }
+        if !self.allows(&planned.trajectory) {
+            return Err(wrong("brings the arm too near to an obstacle when it is planned again"));
+        }
+        Ok((changed, planned))
+    }
+
     /// Returns true if a trajectory keeps the clearances.
     pub(crate) fn allows(&self, trajectory: &Trajectory) -> bool {
         self.rule.is_none_or(|rule| rule(trajectory))
+    }
+}
+
+/// Name of a robot in a program: the robot of a file by its full path, since the program may be
+/// written to another folder.
+fn named(program: &Program, robot: &str) -> String {
+    match program.robot.as_deref() {
+        Some(own) if own == robot => own.to_owned(),
+        _ => fs::canonicalize(robot)
+            .map_or_else(|_| robot.to_owned(), |path| path.display().to_string()),
     }
 }

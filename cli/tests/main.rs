@@ -27,6 +27,7 @@ mod optimise;
 mod outputs;
 mod overlap;
 mod pipes;
+mod place;
 mod plan;
 mod plan_statements;
 mod plan_torques;

@@ -6,16 +6,12 @@ use clap::Args;
 
 use super::{Answering, Timing, values::at_least_0};
 
-/// Program, limits of the changes, and the scene that is checked for collisions.
+/// Program that a search plans, and how.
 #[derive(Args, Debug)]
-pub(crate) struct SearchOptions {
+pub(crate) struct SearchInput {
     /// Motion program in JSON, `-` for standard input, or the folder of a Sunrise project
     #[arg(value_name = "PROGRAM|PROJECT")]
     pub(crate) program: PathBuf,
-
-    /// Largest blend radius to try, in mm
-    #[arg(long, value_name = "MM", default_value_t = 50.0, value_parser = at_least_0)]
-    pub(crate) max_blend_mm: f64,
 
     /// Timing method, as for `iiwasim plan`
     #[arg(long, value_enum, default_value_t = Timing::Sunrise)]
@@ -25,6 +21,20 @@ pub(crate) struct SearchOptions {
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) robot: Option<String>,
 
+    #[command(flatten)]
+    pub(crate) answering: Box<Answering>,
+}
+
+/// Program, limits of the changes, and the scene that is checked for collisions.
+#[derive(Args, Debug)]
+pub(crate) struct SearchOptions {
+    #[command(flatten)]
+    pub(crate) input: SearchInput,
+
+    /// Largest blend radius to try, in mm
+    #[arg(long, value_name = "MM", default_value_t = 50.0, value_parser = at_least_0)]
+    pub(crate) max_blend_mm: f64,
+
     /// Scene with obstacles in JSON (`iiwasim schema scene`)
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,
@@ -33,7 +43,4 @@ pub(crate) struct SearchOptions {
     /// motion that has less in the unchanged program, that distance
     #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = at_least_0)]
     pub(crate) min_clearance: f64,
-
-    #[command(flatten)]
-    pub(crate) answering: Box<Answering>,
 }

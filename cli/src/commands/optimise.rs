@@ -6,14 +6,12 @@ use iiwa_eval::PlanVersion;
 use iiwa_files::{Output, interrupt};
 use iiwa_optimise::{Freedom, Optimum};
 use iiwa_page::{Page, PageOptions, pair_page};
-use iiwa_plan::{Plan, ProgramSource};
-use iiwa_program::Program;
 use iiwa_report::{DifferenceReport, OptimumReport};
 
 use crate::{
     args::Optimise,
     failure::{Failure, print_note},
-    input::{self, Input},
+    input::Input,
     output,
     output_kind::OutputKind,
     search::SearchedProgram,
@@ -39,7 +37,10 @@ fn finish(options: &Optimise, mut search: SearchedProgram<'_>) -> Result<(), Fai
         Some(rule) => optimiser.optimise_within(program, rule),
         None => optimiser.optimise(program),
     })?;
-    let (changed, plan) = planned_again(options, &search, &optimum)?;
+    let beside =
+        if is_program(&options.output) { &options.output } else { &options.search.input.program };
+    let Optimum { program: changed, changed_cycle_time_s, .. } = &optimum;
+    let (changed, plan) = search.planned_again(changed, *changed_cycle_time_s, beside)?;
     let differences = DifferenceReport::new(&search.plan.into(), &PlanVersion::from(&plan));
     let report = OptimumReport::new(&optimum, program, search.rule.is_some(), differences);
     // Before the program is written: a page may fail.
@@ -59,52 +60,6 @@ fn finish(options: &Optimise, mut search: SearchedProgram<'_>) -> Result<(), Fai
     Ok(())
 }
 
-/// Plans the changed program from its text, as it is written: with the robot and the files that it
-/// names.
-fn planned_again(
-    options: &Optimise,
-    search: &SearchedProgram<'_>,
-    optimum: &Optimum,
-) -> Result<(Input, Plan), Failure> {
-    const TOLERANCE_S: f64 = 1e-6;
-
-    let name = &search.input.name;
-    let wrong = |what: &str| {
-        Failure::input(format!("{name}: the changed program {what}; nothing is written"))
-    };
-    let mut program = optimum.program.clone();
-    let usual = input::usual_robot().filter(|_| program.robot.is_none());
-    if let Some(robot) = options.search.robot.as_deref().or(usual) {
-        program.robot = Some(named(&program, robot));
-    }
-    let beside =
-        if is_program(&options.output) { &options.output } else { &options.search.program };
-    let source = ProgramSource::beside(beside, &program.to_json());
-    let source = source.map_err(|error| wrong(&format!("cannot be read again: {error}")))?;
-    let mut request = input::request(&source, None)?;
-    request.options = search.input.request.options;
-    let changed = Input { name: name.clone(), source, request };
-    let planned = changed.plan()?;
-    let cycle_time_s = planned.trajectory.cycle_time_s();
-    if (cycle_time_s - optimum.changed_cycle_time_s).abs() > TOLERANCE_S {
-        return Err(wrong(&format!("takes {cycle_time_s:.6} s when it is planned again")));
-    }
-    if !search.allows(&planned.trajectory) {
-        return Err(wrong("brings the arm too near to an obstacle when it is planned again"));
-    }
-    Ok((changed, planned))
-}
-
-/// Name of a robot in a program: the robot of a file by its full path, since the program may be
-/// written to another folder.
-fn named(program: &Program, robot: &str) -> String {
-    match program.robot.as_deref() {
-        Some(own) if own == robot => own.to_owned(),
-        _ => fs::canonicalize(robot)
-            .map_or_else(|_| robot.to_owned(), |path| path.display().to_string()),
-    }
-}
-
 /// Returns true for a program in JSON; any other output is the folder of a project.
 fn is_program(output: &Path) -> bool {
     output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
@@ -115,7 +70,7 @@ fn keep_existing(options: &Optimise) -> Result<(), Failure> {
     let output = options.output.as_path();
     let search = &options.search;
     let scene = search.scene.as_deref().map(|path| ("scene", path));
-    let inputs = [("program", search.program.as_path())].into_iter().chain(scene);
+    let inputs = [("program", search.input.program.as_path())].into_iter().chain(scene);
     if let Some(page) = &options.page {
         let others = inputs.clone().chain([("changed program", output)]);
         output::keep_others(OutputKind::Page, page, others, "--page")?;
@@ -134,7 +89,7 @@ fn keep_existing(options: &Optimise) -> Result<(), Failure> {
         let full = |path: &Path| fs::canonicalize(path).ok();
         // The folder need not exist yet.
         let folder = full(output).or_else(|| output.parent().and_then(full));
-        if let (Some(project), Some(folder)) = (full(&search.program), folder)
+        if let (Some(project), Some(folder)) = (full(&search.input.program), folder)
             && project.is_dir()
             && (folder.starts_with(&project) || output.exists() && project.starts_with(&folder))
         {

@@ -1,0 +1,89 @@
+//! `iiwasim place`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{SearchInput, values::number};
+
+/// Find the place of the robot at which a program is fastest.
+///
+/// The robot's base is moved from where it stands to the places of a grid, and the program is
+/// planned exactly at each of them: by --x, --y and --z along the axes of the base, and by --yaw
+/// about its z axis. About the best place of the grid, the search goes on in ever smaller steps. A
+/// range has --steps places; one number instead of a range keeps that value.
+///
+/// Bases, frames and targets keep their places in the cell. Joint positions stay as they are: the
+/// TCP is elsewhere in the cell there, and so is the course of a line or a circle that begins there.
+/// Elbow angles (E1) are not changed; `iiwasim optimise` improves them for the best place. Places
+/// are not checked for collisions: a scene does not say what moves with the robot.
+///
+/// The table is a map of the cycle times by x and y, with z and yaw of the best place on the grid.
+/// With --output, the program for the best place is written: its bases, frames and targets have
+/// other coordinates, since they are stated relative to the robot.
+#[derive(Args, Debug)]
+pub(crate) struct Place {
+    #[command(flatten)]
+    pub(crate) input: SearchInput,
+
+    /// Range of shifts along x, in mm
+    #[arg(long, value_name = "FROM:TO", default_value = "-100:100", allow_hyphen_values = true)]
+    pub(crate) x: AxisRange,
+
+    /// Range of shifts along y, in mm
+    #[arg(long, value_name = "FROM:TO", default_value = "-100:100", allow_hyphen_values = true)]
+    pub(crate) y: AxisRange,
+
+    /// Range of shifts along z, in mm
+    #[arg(long, value_name = "FROM:TO", default_value = "0", allow_hyphen_values = true)]
+    pub(crate) z: AxisRange,
+
+    /// Range of rotations about z, in deg
+    #[arg(long, value_name = "FROM:TO", default_value = "0", allow_hyphen_values = true)]
+    pub(crate) yaw: AxisRange,
+
+    /// Number of places along each range
+    #[arg(long, value_name = "COUNT", default_value_t = 5,
+        value_parser = clap::value_parser!(u8).range(2..=100))]
+    pub(crate) steps: u8,
+
+    /// Path of the program for the best place, in JSON
+    #[arg(short, long, value_name = "FILE.json")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Replace an existing program, which may have been edited by hand
+    #[arg(long, requires = "output")]
+    pub(crate) overwrite: bool,
+
+    /// Print a JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// A range `FROM:TO`, or a single value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AxisRange([f64; 2]);
+
+impl AxisRange {
+    /// Returns `steps` values along the range, multiplied by `unit`.
+    pub(crate) fn values(self, steps: u8, unit: f64) -> Vec<f64> {
+        let Self([from, to]) = self;
+        if from == to {
+            return vec![from * unit];
+        }
+        let share = |step: u8| f64::from(step) / f64::from(steps - 1);
+        (0..steps).map(|step| (from + share(step) * (to - from)) * unit).collect()
+    }
+}
+
+impl std::str::FromStr for AxisRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some((from, to)) = text.split_once(':') else {
+            return number(text).map(|at| Self([at; 2]));
+        };
+        let range = [number(from)?, number(to)?];
+        if range[0] <= range[1] { Ok(Self(range)) } else { Err(format!("`{text}` runs backwards")) }
+    }
+}
