@@ -69,7 +69,7 @@ pub(crate) use identify::Identify;
 pub(crate) use log_reading::LogReading;
 pub(crate) use model::{Fk, Ik, OutputFormat, Robot, Schema, ToolAndBase};
 pub(crate) use optimise::Optimise;
-pub(crate) use place::Place;
+pub(crate) use place::PlaceRobot;
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
@@ -193,7 +193,7 @@ pub(crate) enum CliCommand {
     Diff(Diff),
     Advise(Advise),
     Optimise(Optimise),
-    Place(Place),
+    Place(PlaceRobot),
     Report(Report),
     Identify(Identify),
     Validate(Validate),

@@ -33,7 +33,8 @@ fn the_written_program_takes_as_long_as_stated() {
     iiwasim(&folder, &arguments).code(2).stderr(contains("placed.json exists"));
     iiwasim(&folder, &range).success().stdout(
         contains("x -50 mm")
-            .and(contains("Fastest at x"))
+            .and(contains("Fastest at x -50 mm"))
+            .and(contains("at the edge of a range"))
             .and(contains("Targets in joints"))
             .and(contains("not checked for collisions")),
     );

@@ -14,15 +14,15 @@ use super::{SearchInput, values::number};
 /// range has --steps places; one number instead of a range keeps that value.
 ///
 /// Bases, frames and targets keep their places in the cell. Joint positions stay as they are: the
-/// TCP is elsewhere in the cell there, and so is the course of a line or a circle that begins there.
-/// Elbow angles (E1) are not changed; `iiwasim optimise` improves them for the best place. Places
+/// TCP is elsewhere in the cell there, and so is a line or a circle that begins there. Elbow angles
+/// (E1) are not changed; `iiwasim optimise` improves them for the best place. Places
 /// are not checked for collisions: a scene does not say what moves with the robot.
 ///
 /// The table is a map of the cycle times by x and y, with z and yaw of the best place on the grid.
 /// With --output, the program for the best place is written: its bases, frames and targets have
 /// other coordinates, since they are stated relative to the robot.
 #[derive(Args, Debug)]
-pub(crate) struct Place {
+pub(crate) struct PlaceRobot {
     #[command(flatten)]
     pub(crate) input: SearchInput,
 

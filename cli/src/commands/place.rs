@@ -4,7 +4,7 @@ use iiwa_optimise::PlaceGrid;
 use iiwa_report::PlaceReport;
 
 use crate::{
-    args::Place,
+    args::PlaceRobot,
     failure::{Failure, print_note},
     output,
     output_kind::OutputKind,
@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Prints the cycle times with the robot at other places, and writes the program for the best one.
-pub(crate) fn run(options: &Place) -> Result<(), Failure> {
+pub(crate) fn run(options: &PlaceRobot) -> Result<(), Failure> {
     if let Some(path) = &options.output {
         let inputs = [("program", options.input.program.as_path())];
         output::keep_others(OutputKind::Program, path, inputs, "--output")?;
@@ -24,11 +24,11 @@ pub(crate) fn run(options: &Place) -> Result<(), Failure> {
 }
 
 /// Returns the grid of the options.
-fn grid(options: &Place) -> Result<PlaceGrid, Failure> {
+fn grid(options: &PlaceRobot) -> Result<PlaceGrid, Failure> {
     /// An hour for programs that take a tenth of a second to plan.
     const MOST: usize = 50_000;
 
-    let Place { x, y, z, yaw, steps, .. } = options;
+    let PlaceRobot { x, y, z, yaw, steps, .. } = options;
     let shifts_m = [x, y, z].map(|range| range.values(*steps, 1e-3));
     let grid = PlaceGrid { shifts_m, yaws_rad: yaw.values(*steps, 1_f64.to_radians()) };
     match grid.count() {
@@ -40,7 +40,11 @@ fn grid(options: &Place) -> Result<PlaceGrid, Failure> {
     }
 }
 
-fn finish(options: &Place, grid: &PlaceGrid, search: &SearchedProgram<'_>) -> Result<(), Failure> {
+fn finish(
+    options: &PlaceRobot,
+    grid: &PlaceGrid,
+    search: &SearchedProgram<'_>,
+) -> Result<(), Failure> {
     let program = &search.plan.program;
     let [gravity_x, gravity_y, gravity_z] = program.workcell.mount.gravity_m_s2();
     if grid.yaws_rad.iter().any(|yaw_rad| *yaw_rad != 0.0)
@@ -51,14 +55,14 @@ fn finish(options: &Place, grid: &PlaceGrid, search: &SearchedProgram<'_>) -> Re
              base; leave --yaw out, and state the other mounting in the program",
         ));
     }
-    let placement = search.run(|| search.optimiser.place(program, grid))?;
-    let report = PlaceReport::new(&placement, grid, program.joint_targets());
+    let map = search.run(|| search.optimiser.place(program, grid))?;
+    let report = PlaceReport::new(&map, grid, program.joint_targets());
     if let Some(path) = &options.output {
-        let best_s = placement.best.and_then(|best| best.cycle_time_s);
-        let best_s = best_s.unwrap_or(placement.cycle_time_s);
-        let (placed, _) = search.planned_again(&placement.program, best_s, path)?;
+        let best_s = map.best.and_then(|best| best.cycle_time_s);
+        let best_s = best_s.unwrap_or(map.cycle_time_s);
+        let (placed, _) = search.planned_again(&map.program, best_s, path)?;
         output::write(path, format!("{}\n", placed.source.program.to_json()).as_bytes())?;
-        if placement.best.is_none() {
+        if map.best.is_none() {
             print_note(&format!("Note: {} is the unchanged program\n", path.display()));
         }
     }

@@ -48,5 +48,5 @@ mod waits;
 pub use change::{Change, ChangeKind};
 pub use freedom::Freedom;
 pub use optimiser::Optimiser;
-pub use place::{Place, PlaceGrid, Placement, TimedPlace};
+pub use place::{Place, PlaceGrid, PlaceMap, TimedPlace};
 pub use results::{Advice, AdviceRow, Optimum};

@@ -90,7 +90,7 @@ pub struct TimedPlace {
 /// Result of a search for a place.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub struct Placement {
+pub struct PlaceMap {
     /// Cycle time where the robot stands, in s.
     pub cycle_time_s: f64,
     /// All places of the grid: x changes fastest, then y, then z.
@@ -111,13 +111,13 @@ impl Optimiser {
     /// Searches for the place of the robot at which `program` takes the shortest time: on a grid,
     /// and then about the best place of the grid in ever smaller steps. Each place is planned
     /// exactly; elbow angles are not changed. Joint positions stay as they are
-    /// ([`Program::with_cell_at`]), and so does the mounting: on a wall, gravity would turn with the
-    /// base, so that a grid should leave the base unturned there.
+    /// ([`Program::with_cell_at`]), and so does the mounting: a robot on a wall must not be turned,
+    /// because gravity would turn with its base.
     ///
     /// # Errors
     ///
     /// If the program cannot be planned where the robot stands, or if the search is interrupted.
-    pub fn place(&self, program: &Program, grid: &PlaceGrid) -> Result<Placement, PlanError> {
+    pub fn place(&self, program: &Program, grid: &PlaceGrid) -> Result<PlaceMap, PlanError> {
         let plans = AtomicU64::new(0);
         let cycle_time_s = self.plan_counted(program, &plans)?.cycle_time_s();
         let places = self.timed(program, grid.places(), &plans);
@@ -134,7 +134,7 @@ impl Optimiser {
             Some(best) => program.with_cell_at(&best.place.cell()),
             None => program.clone(),
         };
-        Ok(Placement { cycle_time_s, places, best, program, plans: plans.load(Relaxed) })
+        Ok(PlaceMap { cycle_time_s, places, best, program, plans: plans.load(Relaxed) })
     }
 
     /// Moves the best place by steps along each axis, within the range of the grid, and halves the

@@ -23,7 +23,8 @@ impl Program {
     ///
     /// let program = Program::from_json(
     ///     r#"{ "version": 1, "start": { "joints_deg": [0, 30, 0, -60, 0, 90, 0] },
-    ///         "bases": { "table": { "x_mm": 500 } }, "motions": [{ "type": "wait", "seconds": 1 }] }"#,
+    ///         "bases": { "table": { "x_mm": 500 } },
+    ///         "motions": [{ "type": "wait", "seconds": 1 }] }"#,
     /// )?;
     /// // The robot moves by 100 mm towards the table.
     /// let moved = program.with_cell_at(&Pose::from_xyz_abc([-0.1, 0.0, 0.0], [0.0; 3]));

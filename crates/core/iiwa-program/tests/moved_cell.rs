@@ -17,7 +17,8 @@ const PROGRAM: &str = r#"{
     "frames": {
         "home": { "x_mm": 500, "y_mm": 0, "z_mm": 500, "a_deg": 0, "b_deg": 180, "c_deg": 0,
             "e1_deg": 10, "turn": 2 },
-        "part": { "base": "tray", "x_mm": 50, "y_mm": 0, "z_mm": 200, "a_deg": 0, "b_deg": 180, "c_deg": 0 }
+        "part": { "base": "tray", "x_mm": 50, "y_mm": 0, "z_mm": 200, "a_deg": 0, "b_deg": 180,
+            "c_deg": 0 }
     },
     "motions": [
         { "type": "ptp", "frame": "part" },

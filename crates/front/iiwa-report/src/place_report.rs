@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use iiwa_optimise::{PlaceGrid, Placement, TimedPlace};
+use iiwa_optimise::{PlaceGrid, PlaceMap, TimedPlace};
 use serde::Serialize;
 
 use crate::{
@@ -52,14 +52,14 @@ impl PlaceReport {
     /// Creates the report of a search on `grid`. `joint_targets` is the number of joint positions
     /// among the targets of the program.
     #[must_use]
-    pub fn new(placement: &Placement, grid: &PlaceGrid, joint_targets: usize) -> Self {
+    pub fn new(map: &PlaceMap, grid: &PlaceGrid, joint_targets: usize) -> Self {
         let [x, y, _] = &grid.shifts_m;
         Self {
-            cycle_time_s: rounded(placement.cycle_time_s, 9),
-            best: placement.best.as_ref().map(PlaceRow::new),
+            cycle_time_s: rounded(map.cycle_time_s, 9),
+            best: map.best.as_ref().map(PlaceRow::new),
             joint_targets,
-            plans: placement.plans,
-            places: placement.places.iter().map(PlaceRow::new).collect(),
+            plans: map.plans,
+            places: map.places.iter().map(PlaceRow::new).collect(),
             axes: [x, y].map(|axis| axis.iter().map(|value| rounded(1e3 * value, 6)).collect()),
         }
     }
@@ -114,6 +114,9 @@ impl PlaceReport {
                 );
             }
         }
+        if best.as_ref().is_some_and(|best| self.is_at_edge(best)) {
+            text.push_str("This is at the edge of a range: places beyond it may be faster.\n");
+        }
         if self.joint_targets > 0 {
             text.push_str(
                 "Targets in joints stay as they are: the TCP is elsewhere in the cell there.\n",
@@ -121,6 +124,18 @@ impl PlaceReport {
         }
         text.push_str("Places are not checked for collisions.\n");
         text
+    }
+
+    /// Returns true if a place has the first or the last value of an axis with several values.
+    fn is_at_edge(&self, place: &PlaceRow) -> bool {
+        let values = |row: &PlaceRow| [row.x_mm, row.y_mm, row.z_mm, row.yaw_deg];
+        let (Some(first), Some(last)) = (self.places.first(), self.places.last()) else {
+            return false;
+        };
+        let (first, last, place) = (values(first), values(last), values(place));
+        (0..4).any(|axis| {
+            first[axis] != last[axis] && [first[axis], last[axis]].contains(&place[axis])
+        })
     }
 
     /// Places with the z and the yaw of the fastest place on the grid, if they differ in x or y.
