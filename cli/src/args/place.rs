@@ -8,10 +8,10 @@ use super::{SearchInput, values::number};
 
 /// Find the place of the robot at which a program is fastest.
 ///
-/// The robot's base is moved from where it stands to the places of a grid, and the program is
+/// The robot's base is moved from its present place to the places of a grid, and the program is
 /// planned exactly at each of them: by --x, --y and --z along the axes of the base, and by --yaw
-/// about its z axis. About the best place of the grid, the search goes on in ever smaller steps. A
-/// range has --steps places; one number instead of a range keeps that value.
+/// about its z axis. Around the best place of the grid, the search continues in ever smaller steps.
+/// A range has --steps places; one number instead of a range keeps that value.
 ///
 /// Bases, frames and targets keep their places in the cell. Joint positions stay as they are: the
 /// TCP is elsewhere in the cell there, and so is a line or a circle that begins there. Elbow angles

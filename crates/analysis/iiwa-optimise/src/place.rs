@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::{change_search::LEAST_S, optimiser::Optimiser};
 
-/// A place of the robot: shift and rotation of its base from where it stands, in its own frame.
+/// A place of the robot: shift and rotation of its base from its present place, in its own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[expect(clippy::exhaustive_structs, reason = "a place is written out in full")]
 pub struct Place {
@@ -91,7 +91,7 @@ pub struct TimedPlace {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct PlaceMap {
-    /// Cycle time where the robot stands, in s.
+    /// Cycle time at the present place, in s.
     pub cycle_time_s: f64,
     /// All places of the grid: x changes fastest, then y, then z.
     pub places: Vec<TimedPlace>,
@@ -116,7 +116,7 @@ impl Optimiser {
     ///
     /// # Errors
     ///
-    /// If the program cannot be planned where the robot stands, or if the search is interrupted.
+    /// If the program cannot be planned at the present place, or if the search is interrupted.
     pub fn place(&self, program: &Program, grid: &PlaceGrid) -> Result<PlaceMap, PlanError> {
         let plans = AtomicU64::new(0);
         let cycle_time_s = self.plan_counted(program, &plans)?.cycle_time_s();

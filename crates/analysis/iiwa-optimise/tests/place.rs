@@ -24,7 +24,7 @@ fn the_program_at_the_best_place_takes_as_long_as_stated() {
     // x changes fastest, then y, then the rotation.
     assert_eq!(found.places[1].place, Place { shift_m: [0.0, -0.1, 0.0], yaw_rad: 0.0 });
     assert_eq!(found.places[17].place.shift_m, [0.1, 0.1, 0.0]);
-    // Where the robot stands, on the grid and planned as it is.
+    // The present place, on the grid and planned as it is.
     let here_s = found.places[4].cycle_time_s.unwrap();
     assert!((here_s - found.cycle_time_s).abs() < 1e-6);
 

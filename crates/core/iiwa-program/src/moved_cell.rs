@@ -1,4 +1,4 @@
-//! Programs for a robot that stands elsewhere in its cell.
+//! Programs for a robot at another place in its cell.
 
 use iiwa_kin::Pose;
 
@@ -10,7 +10,7 @@ use crate::{
 };
 
 impl Program {
-    /// Returns the program for a robot that stands elsewhere in its cell. `cell` is the pose of the
+    /// Returns the program for a robot at another place in its cell. `cell` is the pose of the
     /// former robot base in the new one.
     ///
     /// Bases and frames keep their places in the cell. Joint positions stay as they are: the TCP is

@@ -1,4 +1,4 @@
-//! Programs for a robot that stands elsewhere in its cell.
+//! Programs for a robot at another place in its cell.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 

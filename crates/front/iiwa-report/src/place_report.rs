@@ -14,7 +14,7 @@ use crate::{
 /// `iiwasim place --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlaceReport {
-    /// Cycle time where the robot stands.
+    /// Cycle time at the present place of the robot.
     cycle_time_s: f64,
     /// The fastest place that was found; none if no place saves a millisecond.
     best: Option<PlaceRow>,
@@ -28,7 +28,7 @@ pub struct PlaceReport {
     axes: [Vec<f64>; 2],
 }
 
-/// A place of the robot, from where it stands, and the cycle time there.
+/// A place of the robot, from its present place, and the cycle time there.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct PlaceRow {
     x_mm: f64,
