@@ -1,6 +1,6 @@
 //! `iiwasim optimise`.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use iiwa_eval::PlanVersion;
 use iiwa_files::{Output, interrupt};
@@ -86,7 +86,7 @@ fn keep_existing(options: &Optimise) -> Result<(), Failure> {
     }
     #[cfg(feature = "sunrise")]
     {
-        let full = |path: &Path| fs::canonicalize(path).ok();
+        let full = |path: &Path| std::fs::canonicalize(path).ok();
         // The folder need not exist yet.
         let folder = full(output).or_else(|| output.parent().and_then(full));
         if let (Some(project), Some(folder)) = (full(&search.input.program), folder)
