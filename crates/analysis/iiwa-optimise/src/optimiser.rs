@@ -25,7 +25,7 @@ use crate::{
 /// Searches for changes that make programs faster on one robot.
 #[derive(Clone, Debug)]
 pub struct Optimiser {
-    settings: SearchSettings,
+    pub(crate) settings: SearchSettings,
     budget: u64,
 }
 
@@ -90,16 +90,7 @@ impl Optimiser {
     ///
     /// If the program cannot be planned.
     pub fn plan(&self, program: &Program) -> Result<Trajectory, PlanError> {
-        self.plan_counted(program, &AtomicU64::new(0))
-    }
-
-    /// Plans a whole program, and counts the plan in `plans`.
-    pub(crate) fn plan_counted(
-        &self,
-        program: &Program,
-        plans: &AtomicU64,
-    ) -> Result<Trajectory, PlanError> {
-        self.settings.cycle_times(plans).plan(program)
+        self.settings.cycle_times(&AtomicU64::new(0)).plan(program)
     }
 
     /// Searches for changes of `program` that save at least a millisecond each.

@@ -1,4 +1,4 @@
-//! Places of the robot in its cell.
+//! Search for the robot base position with the shortest cycle time.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -119,7 +119,7 @@ impl Optimiser {
     /// If the program cannot be planned at the present place, or if the search is interrupted.
     pub fn place(&self, program: &Program, grid: &PlaceGrid) -> Result<PlaceMap, PlanError> {
         let plans = AtomicU64::new(0);
-        let cycle_time_s = self.plan_counted(program, &plans)?.cycle_time_s();
+        let cycle_time_s = self.settings.cycle_times(&plans).plan(program)?.cycle_time_s();
         let places = self.timed(program, grid.places(), &plans);
         let mut best = fastest(&places);
         if let Some(best) = &mut best {
@@ -180,13 +180,16 @@ impl Optimiser {
 
     /// Plans the program at each of these places.
     fn timed(&self, program: &Program, places: Vec<Place>, plans: &AtomicU64) -> Vec<TimedPlace> {
-        let all = places.into_par_iter().map(|place| {
-            if self.check_stop().is_err() {
-                return TimedPlace { place, cycle_time_s: None };
-            }
-            let plan = self.plan_counted(&program.with_cell_at(&place.cell()), plans);
-            TimedPlace { place, cycle_time_s: plan.ok().map(|plan| plan.cycle_time_s()) }
-        });
+        let all = places.into_par_iter().map_init(
+            || self.settings.cycle_times(plans),
+            |times, place| {
+                if self.check_stop().is_err() {
+                    return TimedPlace { place, cycle_time_s: None };
+                }
+                let plan = times.plan(&program.with_cell_at(&place.cell()));
+                TimedPlace { place, cycle_time_s: plan.ok().map(|plan| plan.cycle_time_s()) }
+            },
+        );
         all.collect()
     }
 }

@@ -34,7 +34,7 @@ pub(crate) fn registers<S: Simd>() -> usize {
     LANES / S::F64_LANES
 }
 
-/// Returns the columns of eight rows, one row for each lane: their part in a `register`.
+/// Returns one register of the columns of eight rows, one row for each lane.
 ///
 /// Written out: closures of `array::from_fn` would be compiled without vector instructions, and
 /// lanes that are stored one by one are slow to load as a vector.

@@ -526,12 +526,12 @@ impl<'a> LimitedSegment<'a> {
             }
             Geometry::Planar([one, two, three]) => {
                 let [v, a, j] = rates;
+                // Coefficients of the direction ahead are the rates themselves.
                 let mut aside = [PlaceValues::default(); 3];
                 for i in 0..v.len() {
-                    aside[0][i] = one[i] * v[i];
-                    aside[1][i] = one[i] * a[i] + two[i] * v[i] * v[i];
-                    aside[2][i] =
-                        one[i] * j[i] + 3.0 * two[i] * v[i] * a[i] + three[i] * v[i] * v[i] * v[i];
+                    let [[_, first], [_, second], [_, third]] =
+                        in_plane([one[i], two[i], three[i]], [v[i], a[i], j[i]]);
+                    (aside[0][i], aside[1][i], aside[2][i]) = (first, second, third);
                 }
                 for order in 0..3 {
                     let mut peak = Peak::default();

@@ -40,7 +40,7 @@ impl Peak {
     /// Largest magnitude of all curves; NaN if a sample was not finite.
     #[inline(always)]
     pub(crate) fn get(&self) -> f64 {
-        // No sample that is not a number is among them.
+        // NaN is never among them.
         let largest = self.largest.into_iter().fold(0.0, |a, b| if b > a { b } else { a });
         largest + self.spoilt.into_iter().sum::<f64>()
     }

@@ -200,7 +200,7 @@ impl SlackPair {
         let s = room.max(min_slack);
         let inverse = s.inverse();
         let balanced = start.mu * inverse;
-        // A dual that is reset may be of another problem, and no number.
+        // The dual before a reset may be NaN, or belong to another problem: it is not read.
         let z = if start.kept == 1.0 {
             balanced
         } else {
