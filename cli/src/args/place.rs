@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{SearchInput, values::number};
 
-/// Find the place of the robot at which a program is fastest.
+/// Find the robot base position at which a program is fastest.
 ///
 /// The robot's base is moved from its present place to the places of a grid, and the program is
 /// planned exactly at each of them: by --x, --y and --z along the axes of the base, and by --yaw
@@ -15,8 +15,8 @@ use super::{SearchInput, values::number};
 ///
 /// Bases, frames and targets keep their places in the cell. Joint positions stay as they are: the
 /// TCP is elsewhere in the cell there, and so is a line or a circle that begins there. Elbow angles
-/// (E1) are not changed; `iiwasim optimise` improves them for the best place. Places
-/// are not checked for collisions: a scene does not say what moves with the robot.
+/// (E1) are not changed; `iiwasim optimise` improves them for the best place. Places are not
+/// checked for collisions: a scene does not say what moves with the robot.
 ///
 /// The table is a map of the cycle times by x and y, with z and yaw of the best place on the grid.
 /// With --output, the program for the best place is written: its bases, frames and targets have

@@ -6,7 +6,7 @@
 //! plan, and kept if it saves time. Targets, speeds of TCP paths, inputs, outputs and the order of
 //! motions stay as they are, and so do waits unless they are [freed](Freedom::ALL); with a blend,
 //! the TCP passes its target within the radius. [`Optimiser::optimise`] makes such changes until
-//! none saves more time. [`Optimiser::place`] searches for the place of the robot in its cell.
+//! none saves more time. [`Optimiser::place`] searches for the best robot base position.
 //!
 //! ```
 //! use iiwa_kin::Robot;

@@ -1,4 +1,4 @@
-//! Places of the robot: the program at the best one, and what the search reports.
+//! Robot base positions: the program at the best one, and the search result.
 
 use iiwa_optimise::{Place, PlaceGrid};
 use iiwa_program::Program;

@@ -1,4 +1,4 @@
-//! Places of the robot in its cell, as text and as JSON.
+//! Cycle times at robot base positions, as text and as JSON.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use crate::{
     table::{fitted, table},
 };
 
-/// Places of the robot with the cycle time of a program. As JSON, this is the object of
+/// Cycle times of a program at robot base positions. As JSON, this is the object of
 /// `iiwasim place --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlaceReport {
