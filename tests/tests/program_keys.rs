@@ -17,7 +17,7 @@ use serde_json::{Map, Value, json};
 type Key = (String, String);
 
 /// Keys of programs that lists of motions lack.
-const OF_PROGRAMS: [&str; 8] = [
+const OF_PROGRAMS: [&str; 9] = [
     "$schema",
     "version",
     "robot",
@@ -26,6 +26,7 @@ const OF_PROGRAMS: [&str; 8] = [
     "start",
     "limit_torque_percent",
     "override_percent",
+    "tasks",
 ];
 
 /// Keys without effect on a motion.

@@ -11,6 +11,7 @@ use crate::{
     motion_index::MotionIndex,
     motion_path::motion_path,
     name_place::name_place,
+    tasks::TaskFault,
     workcell::{MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT},
 };
 
@@ -172,6 +173,9 @@ pub enum Fault {
         /// Length found, in m.
         found_m: f64,
     },
+    /// The tasks of the program cannot be executed in another order.
+    #[error(transparent)]
+    Task(TaskFault),
     /// The program names a robot other than the given one.
     #[error("the program is for the robot `{named}`; `{given}` was given")]
     OtherRobot {
@@ -241,6 +245,7 @@ impl Fault {
             | Self::TorqueLimit { .. }
             | Self::Override { .. }
             | Self::Flange { .. }
+            | Self::Task(_)
             | Self::OtherRobot { .. }
             | Self::OtherFlange { .. }
             | Self::BlockingBlend { .. } => false,
@@ -258,6 +263,7 @@ impl Fault {
             | Self::OtherRobot { .. }
             | Self::OtherFlange { .. } => None,
             Self::JointOutside { motion, .. } | Self::Cartesian { motion, .. } => *motion,
+            Self::Task(fault) => fault.motion(),
             Self::Share { motion, .. }
             | Self::Wait { motion, .. }
             | Self::Overlap { motion, .. }
@@ -290,6 +296,10 @@ impl Fault {
             Self::NoMotions => locate(text, &[Key("motions")]),
             Self::TorqueLimit { .. } => locate(text, &[Key("limit_torque_percent")]),
             Self::Override { .. } => locate(text, &[Key("override_percent")]),
+            Self::Task(fault) => match fault.motion() {
+                Some(_) => locate(text, owner),
+                None => fault.place_in(text),
+            },
             Self::OtherRobot { .. } => locate(text, &[Key("robot")]),
             Self::Flange { .. } | Self::OtherFlange { .. } => locate(text, &[Key("flange_mm")]),
             Self::Cartesian { motion, key, fault } => {

@@ -96,6 +96,17 @@ impl Motion {
         matches!(self, Self::Ptp(_) | Self::Cartesian(_))
     }
 
+    /// Returns true for a point-to-point motion to a position that does not depend on the motion
+    /// before.
+    #[must_use]
+    pub fn is_ptp_to_position(&self) -> bool {
+        match self {
+            Self::Ptp(_) => true,
+            Self::Cartesian(cartesian) => cartesian.is_ptp(),
+            Self::Wait { .. } | Self::Load(_) | Self::Io(_) => false,
+        }
+    }
+
     /// Returns true if the program waits for the end of the motion before it sends the next one.
     #[must_use]
     pub fn is_blocking(&self) -> bool {
@@ -338,7 +349,9 @@ impl Program {
         {
             return Err(Fault::Flange { found_m });
         }
-        self.checked_entries(0..self.motions.len()).try_for_each(|entry| self.check_entry(&entry))
+        self.checked_entries(0..self.motions.len())
+            .try_for_each(|entry| self.check_entry(&entry))?;
+        self.tasks().map(drop).map_err(Fault::Task)
     }
 
     pub(crate) fn check_entry(&self, checked: &CheckedEntry<'_>) -> Result<(), Fault> {

@@ -1,4 +1,4 @@
-//! Sources, labels and repeat blocks of a program's motions.
+//! Sources, labels, repeat blocks and tasks of a program's motions.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -10,6 +10,7 @@ use crate::{
     motion_index::MotionIndex,
     motion_label::{MotionLabel, text_fault},
     repeat_block::{RepeatBlock, Round, in_first_rounds, rounds_of},
+    tasks::{Task, reordered_blocks},
 };
 
 /// Source line of the motion, for messages.
@@ -45,8 +46,8 @@ impl fmt::Display for Source {
     }
 }
 
-/// Known sources, labels and repeat blocks of a program's motions. Sources are those of a program
-/// generated from another program, such as a Java robot application.
+/// Known sources, labels, repeat blocks and tasks of a program's motions. Sources are those of a
+/// program generated from another program, such as a Java robot application.
 ///
 /// ```
 /// use iiwa_program::{MotionIndex, MotionLabel, Source, Sources};
@@ -65,11 +66,12 @@ impl fmt::Display for Source {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Sources(Box<SourceLists>);
 
-/// Sources, labels and blocks. On the heap, because errors contain them.
+/// Sources, labels, blocks and tasks. On the heap, because errors contain them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct SourceLists {
     notes: BTreeMap<MotionIndex, MotionNotes>,
     repeats: Vec<RepeatBlock>,
+    tasks: Vec<Task>,
 }
 
 /// Source and label of a motion.
@@ -104,11 +106,11 @@ impl Sources {
         }
     }
 
-    /// Returns true if no source, no label and no repeat block is known.
+    /// Returns true if no source, no label, no repeat block and no task is known.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        let has_repeats = !self.0.repeats.is_empty();
-        !has_repeats && self.iter().next().is_none() && self.labels().next().is_none()
+        let has_lists = !self.0.repeats.is_empty() || !self.0.tasks.is_empty();
+        !has_lists && self.iter().next().is_none() && self.labels().next().is_none()
     }
 
     /// Repeat blocks in order, without the inner ones.
@@ -121,6 +123,33 @@ impl Sources {
     /// all rounds are in the program's list.
     pub fn set_repeats(&mut self, repeats: Vec<RepeatBlock>) {
         self.0.repeats = repeats;
+    }
+
+    /// Tasks as listed in the program; [`Program::tasks`](crate::Program::tasks) returns them with
+    /// their motions.
+    #[must_use]
+    pub fn tasks(&self) -> &[Task] {
+        &self.0.tasks
+    }
+
+    /// Sets the tasks.
+    pub fn set_tasks(&mut self, tasks: Vec<Task>) {
+        self.0.tasks = tasks;
+    }
+
+    /// Returns the sources, labels and blocks of motions in another order. `origins` has the former
+    /// index of each motion.
+    pub(crate) fn reordered(&self, origins: &[usize]) -> Self {
+        let SourceLists { notes, repeats, tasks } = self.0.as_ref();
+        let notes = origins.iter().enumerate().filter_map(|(index, origin)| {
+            let notes = notes.get(&MotionIndex::new(*origin))?;
+            Some((MotionIndex::new(index), notes.clone()))
+        });
+        Self(Box::new(SourceLists {
+            notes: notes.collect(),
+            repeats: reordered_blocks(repeats, origins),
+            tasks: tasks.clone(),
+        }))
     }
 
     /// Rounds of a motion in the repeat blocks that contain the motion, the outermost block first.
@@ -167,7 +196,7 @@ impl FromIterator<(MotionIndex, Source)> for Sources {
             (motion, MotionNotes { source: Some(source), label: MotionLabel::default() })
         };
         let notes = sources.into_iter().map(with_notes).collect();
-        Self(Box::new(SourceLists { notes, repeats: Vec::new() }))
+        Self(Box::new(SourceLists { notes, ..SourceLists::default() }))
     }
 }
 

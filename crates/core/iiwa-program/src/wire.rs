@@ -19,12 +19,13 @@ mod repeat;
 mod shapes;
 mod spline;
 mod target;
+mod tasks;
 mod wait;
 mod workcell;
 
 use std::collections::BTreeMap;
 
-use iiwa_json::{JsonStep, locate, object, object_or_null, read_version, without_mark};
+use iiwa_json::{JsonObject, JsonStep, locate, object, object_or_null, read_version, without_mark};
 use iiwa_kin::Joints;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -33,6 +34,7 @@ use serde_json::value::RawValue;
 use crate::{
     program::{Program, Start},
     source::Sources,
+    tasks::MAX_TASKS,
     workcell::{MAX_FLANGE_M, Workcell},
 };
 use by_name::{by_name, word_or_null};
@@ -42,6 +44,7 @@ use exact::{exact_length_mm, exact_percent};
 use frames::{BaseWire, TargetRefWire, TargetWire, ToolWire};
 use include::{included, no_files};
 use ptp::{joints_of, seven};
+use tasks::TaskWire;
 use workcell::{ModeWire, MountWire, WorkcellOut, mode_of, mount_of, named};
 
 pub use all_errors::MAX_ERRORS;
@@ -120,13 +123,9 @@ impl Program {
             Some(name) => included(text, &name, read)?.updated_with(program_cell),
             None => program_cell,
         };
-        let program = Program {
-            robot: wire.robot,
-            start,
-            motions: Vec::new(),
-            workcell,
-            sources: Sources::default(),
-        };
+        let mut sources = Sources::default();
+        sources.set_tasks(wire.tasks.into_iter().map(|JsonObject(task)| task.into()).collect());
+        let program = Program { robot: wire.robot, start, motions: Vec::new(), workcell, sources };
         checked(text, program, &wire.motions)
     }
 
@@ -150,6 +149,7 @@ impl Program {
             workcell: WorkcellOut::from(&self.workcell),
             limit_torque_percent: self.workcell.torque_limit_rel.map(exact_percent),
             override_percent: self.workcell.speed_override.map(exact_percent),
+            tasks: self.sources.tasks().iter().map(TaskWire::from).collect(),
             motions: entries_out(&self.motions, &self.sources),
         };
         // Serialisation can only fail for a map whose keys are not strings.
@@ -221,6 +221,10 @@ struct ProgramWire<'a> {
     #[serde(default)]
     #[schemars(range(min = 0.1, max = 100.0))]
     override_percent: Option<f64>,
+    /// Groups of motions that may be executed in another order.
+    #[serde(default)]
+    #[schemars(with = "Vec<TaskWire>", length(max = MAX_TASKS))]
+    tasks: Vec<JsonObject<TaskWire>>,
     /// Motions and repeat blocks in order.
     #[serde(borrow)]
     #[schemars(with = "Vec<EntryWire>", length(min = 1))]
@@ -241,6 +245,8 @@ struct ProgramOut<'a> {
     limit_torque_percent: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     override_percent: Option<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    tasks: Vec<TaskWire>,
     motions: Vec<EntryWire>,
 }
 

@@ -11,4 +11,5 @@ mod moved_cell;
 mod reader;
 mod repeats;
 mod shapes;
+mod tasks;
 mod waits;
