@@ -6,7 +6,8 @@
 //! plan, and kept if it saves time. Targets, speeds of TCP paths, inputs, outputs and the order of
 //! motions stay as they are, and so do waits unless they are [freed](Freedom::ALL); with a blend,
 //! the TCP passes its target within the radius. [`Optimiser::optimise`] makes such changes until
-//! none saves more time. [`Optimiser::place`] searches for the best robot base position.
+//! none saves more time. [`Optimiser::place`] searches for the best robot base position,
+//! [`Optimiser::order`] for the best order of tasks.
 //!
 //! ```
 //! use iiwa_kin::Robot;
@@ -39,14 +40,18 @@ mod elbow_chain;
 mod elbows;
 mod freedom;
 mod optimiser;
+mod order;
 mod place;
 mod results;
 mod search_settings;
+mod sequence;
 mod speeds;
 mod waits;
 
 pub use change::{Change, ChangeKind};
 pub use freedom::Freedom;
 pub use optimiser::Optimiser;
+pub use order::{OrderRule, OrderedTasks};
 pub use place::{Place, PlaceGrid, PlaceMap, TimedPlace};
 pub use results::{Advice, AdviceRow, Optimum};
+pub use sequence::SequenceTimes;

@@ -5,6 +5,8 @@
 
 mod advice;
 mod optimum;
+mod order;
 mod place;
 mod production;
+mod sequence;
 mod untouched;

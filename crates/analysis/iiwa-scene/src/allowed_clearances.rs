@@ -47,11 +47,34 @@ impl<'a> AllowedClearances<'a> {
     /// Returns true if a changed program keeps the clearances.
     #[must_use]
     pub fn allow(&self, changed: &Trajectory) -> bool {
+        self.allow_by(self.arm, changed, |motion| motion)
+    }
+
+    /// Returns true if a program keeps the clearances that consists of entries of the unchanged
+    /// one: `origins` has the index there of each of its entries, and `arm` carries its shapes.
+    #[must_use]
+    pub fn allow_reordered(
+        &self,
+        arm: &ArmInScene,
+        changed: &Trajectory,
+        origins: &[usize],
+    ) -> bool {
+        self.allow_by(arm, changed, |motion| {
+            origins.get(motion.index()).map_or(motion, |origin| MotionIndex::new(*origin))
+        })
+    }
+
+    fn allow_by(
+        &self,
+        arm: &ArmInScene,
+        changed: &Trajectory,
+        origin: impl Fn(MotionIndex) -> MotionIndex,
+    ) -> bool {
         let least_m = |before_m: f64| self.min_m.min(before_m) - Self::ACCURACY_M;
-        itself_m(self.arm, changed) >= least_m(self.itself_m)
-            && clearances_m(self.arm, changed).into_iter().all(|(motion, clearance_m)| {
-                let before_m = self.motions_m.get(&motion).copied().unwrap_or(f64::INFINITY);
-                clearance_m >= least_m(before_m)
+        itself_m(arm, changed) >= least_m(self.itself_m)
+            && clearances_m(arm, changed).into_iter().all(|(motion, clearance_m)| {
+                let before_m = self.motions_m.get(&origin(motion)).copied();
+                clearance_m >= least_m(before_m.unwrap_or(f64::INFINITY))
             })
     }
 }
