@@ -26,6 +26,7 @@ mod link;
 mod log_reading;
 mod model;
 mod optimise;
+mod order;
 mod place;
 mod plan;
 mod report;
@@ -69,11 +70,12 @@ pub(crate) use identify::Identify;
 pub(crate) use log_reading::LogReading;
 pub(crate) use model::{Fk, Ik, OutputFormat, Robot, Schema, ToolAndBase};
 pub(crate) use optimise::Optimise;
+pub(crate) use order::OrderTasks;
 pub(crate) use place::PlaceRobot;
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
-pub(crate) use search_options::{SearchInput, SearchOptions};
+pub(crate) use search_options::{SceneOptions, SearchInput, SearchOptions};
 pub(crate) use shell::{Completions, Man};
 pub(crate) use urdf::Urdf;
 pub(crate) use validate::Validate;
@@ -193,6 +195,7 @@ pub(crate) enum CliCommand {
     Diff(Diff),
     Advise(Advise),
     Optimise(Optimise),
+    Order(OrderTasks),
     Place(PlaceRobot),
     Report(Report),
     Identify(Identify),

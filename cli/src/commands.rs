@@ -13,6 +13,7 @@ pub(crate) mod ik;
 pub(crate) mod live;
 pub(crate) mod man;
 pub(crate) mod optimise;
+pub(crate) mod order;
 pub(crate) mod place;
 pub(crate) mod plan;
 pub(crate) mod report;

@@ -76,6 +76,7 @@ fn run(command: CliCommand) -> Result<(), Failure> {
         CliCommand::Diff(options) => commands::diff::run(&options),
         CliCommand::Advise(options) => commands::advise::run(&options),
         CliCommand::Optimise(options) => commands::optimise::run(&options),
+        CliCommand::Order(options) => commands::order::run(&options),
         CliCommand::Place(options) => commands::place::run(&options),
         CliCommand::Validate(options) => commands::validate::run(&options),
         CliCommand::Report(options) => commands::report::run(&options),

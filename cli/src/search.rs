@@ -18,7 +18,7 @@ use iiwa_traj::{PlanError, SweepOptions, Trajectory};
 
 use crate::{
     application::program_or_application,
-    args::{SearchInput, SearchOptions},
+    args::{SceneOptions, SearchInput, SearchOptions},
     failure::Failure,
     input::{self, Input},
     output,
@@ -34,8 +34,11 @@ pub(crate) struct SearchedProgram<'a> {
     pub(crate) input: &'a Input,
     pub(crate) plan: &'a Plan,
     pub(crate) optimiser: Optimiser,
+    /// The scene, if there is one.
     pub(crate) scene: Option<&'a Scene>,
-    /// The clearances in the scene, if there is one.
+    /// The clearances that the unchanged program has there.
+    pub(crate) clearances: Option<&'a AllowedClearances<'a>>,
+    /// Accepts trajectories with such clearances.
     pub(crate) rule: Option<PathRule<'a>>,
 }
 
@@ -56,7 +59,15 @@ impl SearchedProgram<'_> {
         let optimiser = Optimiser::new(plan.robot().clone(), input.request.options)
             .interrupted_by(interrupt::flag());
         let (input, plan) = (&input, &plan);
-        work(SearchedProgram { options, input, plan, optimiser, scene: None, rule: None })
+        work(SearchedProgram {
+            options,
+            input,
+            plan,
+            optimiser,
+            scene: None,
+            clearances: None,
+            rule: None,
+        })
     }
 
     /// Reads and plans the program, measures its clearances, and calls `work`.
@@ -64,16 +75,18 @@ impl SearchedProgram<'_> {
         options: &SearchOptions,
         work: impl FnOnce(SearchedProgram<'_>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        SearchedProgram::read(&options.input, |search| search.in_scene(options, work))
+        SearchedProgram::read(&options.input, |mut search| {
+            search.optimiser = search.optimiser.with_max_blend_mm(options.max_blend_mm);
+            search.in_scene(&options.around, work)
+        })
     }
 
     /// Measures the clearances of the program, and calls `work`.
-    fn in_scene(
-        mut self,
-        options: &SearchOptions,
+    pub(crate) fn in_scene(
+        self,
+        options: &SceneOptions,
         work: impl FnOnce(SearchedProgram<'_>) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        self.optimiser = self.optimiser.with_max_blend_mm(options.max_blend_mm);
         let Some(scene) = &options.scene else { return work(self) };
         let scene = input::scene(scene)?;
         let Self { input, plan, .. } = self;
@@ -90,7 +103,12 @@ impl SearchedProgram<'_> {
                 ))
             })?;
         let rule = |trajectory: &Trajectory| clearances.allow(trajectory);
-        work(SearchedProgram { scene: Some(&scene), rule: Some(&rule), ..self })
+        work(SearchedProgram {
+            scene: Some(&scene),
+            clearances: Some(&clearances),
+            rule: Some(&rule),
+            ..self
+        })
     }
 
     /// Runs a search with its progress.

@@ -24,6 +24,7 @@ mod link;
 mod log_reading;
 mod many;
 mod optimise;
+mod order;
 mod outputs;
 mod overlap;
 mod pipes;

@@ -35,6 +35,13 @@ pub(crate) struct SearchOptions {
     #[arg(long, value_name = "MM", default_value_t = 50.0, value_parser = at_least_0)]
     pub(crate) max_blend_mm: f64,
 
+    #[command(flatten)]
+    pub(crate) around: SceneOptions,
+}
+
+/// Scene in which changes are checked for collisions.
+#[derive(Args, Debug)]
+pub(crate) struct SceneOptions {
     /// Scene with obstacles in JSON (`iiwasim schema scene`)
     #[arg(long, value_name = "SCENE.json", env = "IIWASIM_SCENE", hide_env = true)]
     pub(crate) scene: Option<PathBuf>,

@@ -69,7 +69,7 @@ fn is_program(output: &Path) -> bool {
 fn keep_existing(options: &Optimise) -> Result<(), Failure> {
     let output = options.output.as_path();
     let search = &options.search;
-    let scene = search.scene.as_deref().map(|path| ("scene", path));
+    let scene = search.around.scene.as_deref().map(|path| ("scene", path));
     let inputs = [("program", search.input.program.as_path())].into_iter().chain(scene);
     if let Some(page) = &options.page {
         let others = inputs.clone().chain([("changed program", output)]);

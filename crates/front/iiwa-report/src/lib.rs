@@ -29,6 +29,7 @@ mod identification_report;
 mod import_report;
 mod markdown;
 mod optimum_report;
+mod order_report;
 mod picture;
 mod place_report;
 mod plan_clearance;
@@ -59,6 +60,7 @@ pub use identification_report::IdentificationReport;
 #[cfg(feature = "sunrise")]
 pub use import_report::ImportReport;
 pub use optimum_report::OptimumReport;
+pub use order_report::OrderReport;
 pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison};
 pub use place_report::PlaceReport;
 pub use plan_clearance::{add_clearances, carried};

@@ -1,0 +1,40 @@
+//! `iiwasim order`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{SceneOptions, SearchInput};
+
+/// Find the order of tasks in which a program is fastest.
+///
+/// A program lists its tasks by the key `tasks`: groups of motions that may be executed in another
+/// order, each with the tasks that have to be executed before it (`after`). They follow each other,
+/// and each begins with a point-to-point motion to a position. Within a task, nothing changes. The
+/// last task stays the last one unless a point-to-point motion to a position follows it.
+///
+/// The time of each task after each other one is planned. Up to 16 tasks, all orders are then
+/// compared; of more tasks, the order is improved step by step, and a faster one may exist. The
+/// fastest order is planned exactly, and again from its text before it is written.
+///
+/// Orders are checked for collisions only with --scene.
+#[derive(Args, Debug)]
+pub(crate) struct OrderTasks {
+    #[command(flatten)]
+    pub(crate) input: SearchInput,
+
+    #[command(flatten)]
+    pub(crate) around: SceneOptions,
+
+    /// Path of the program with its tasks in the fastest order, in JSON
+    #[arg(short, long, value_name = "FILE.json")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Replace an existing program, which may have been edited by hand
+    #[arg(long, requires = "output")]
+    pub(crate) overwrite: bool,
+
+    /// Print a JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
