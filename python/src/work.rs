@@ -18,7 +18,7 @@ use pyo3::{exceptions::PyRuntimeError, prelude::*};
 /// Interval of signal checks: Ctrl-C has to end the work within 0.1 s.
 const TICK: Duration = Duration::from_millis(20);
 
-type Task = Box<dyn FnOnce() + Send>;
+type Work = Box<dyn FnOnce() + Send>;
 
 /// Threads that wait for work, and the process that started them.
 ///
@@ -29,7 +29,7 @@ static WORKERS: Mutex<Workers> = Mutex::new(Workers { process: 0, idle: Vec::new
 
 struct Workers {
     process: u32,
-    idle: Vec<Sender<Task>>,
+    idle: Vec<Sender<Work>>,
 }
 
 impl Workers {
@@ -45,7 +45,7 @@ impl Workers {
     }
 
     /// Keeps an idle worker for later work.
-    fn keep(py: Python<'_>, worker: Sender<Task>) {
+    fn keep(py: Python<'_>, worker: Sender<Work>) {
         let processors = thread::available_parallelism().map_or(1, usize::from);
         let mut workers = Self::lock(py);
         if workers.idle.len() < processors {
@@ -54,11 +54,11 @@ impl Workers {
     }
 }
 
-fn idle_worker(py: Python<'_>) -> PyResult<Sender<Task>> {
+fn idle_worker(py: Python<'_>) -> PyResult<Sender<Work>> {
     if let Some(worker) = Workers::lock(py).idle.pop() {
         return Ok(worker);
     }
-    let (give, tasks) = mpsc::channel::<Task>();
+    let (give, tasks) = mpsc::channel::<Work>();
     thread::Builder::new()
         .name("iiwasim".to_owned())
         .spawn(move || tasks.into_iter().for_each(|task| task()))

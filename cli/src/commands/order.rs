@@ -14,6 +14,9 @@ use crate::{
     terminal,
 };
 
+/// Tasks in a program.
+const EXAMPLE: &str = r#""tasks": [{ "group": "left" }, { "group": "right", "after": ["left"] }]"#;
+
 /// Prints the fastest order of the tasks, and writes the program in that order.
 pub(crate) fn run(options: &OrderTasks) -> Result<(), Failure> {
     if let Some(path) = &options.output {
@@ -25,9 +28,8 @@ pub(crate) fn run(options: &OrderTasks) -> Result<(), Failure> {
     SearchedProgram::read(&options.input, |search| {
         if search.plan.program.sources.tasks().is_empty() {
             return Err(Failure::input(format!(
-                "{}: the program lists no `tasks`: groups of motions that may be executed in \
-                 another order, as in \"tasks\": [{{ \"group\": \"part 1\" }}, {{ \"group\": \"part \
-                 2\", \"after\": [\"part 1\"] }}]",
+                "{}: the program lists no `tasks`, groups of motions that may be executed in \
+                 another order; for example: {EXAMPLE}",
                 search.input.name
             )));
         }

@@ -1,6 +1,7 @@
 //! Search for the order of tasks with the shortest cycle time.
 
 use std::{
+    collections::BTreeSet,
     ops::Range,
     sync::atomic::{AtomicU64, Ordering::Relaxed},
 };
@@ -14,8 +15,8 @@ use crate::{
     change_search::LEAST_S, cycle_time::CycleTimes, optimiser::Optimiser, sequence::SequenceTimes,
 };
 
-/// Rule that the trajectory of a program has to satisfy whose entries are those of another one, in
-/// another order: the last argument has the index there of each entry.
+/// Rule for a program that has entries of another program, in another order. Its arguments are the
+/// program, its trajectory, and the index of each of its entries in the other program.
 pub type OrderRule<'a> = &'a (dyn Fn(&Program, &Trajectory, &[usize]) -> bool + Sync);
 
 /// Result of a search for an order of tasks.
@@ -31,8 +32,8 @@ pub struct OrderedTasks {
     pub program: Program,
     /// Its cycle time, in s.
     pub changed_cycle_time_s: f64,
-    /// `true` if all orders were compared, as if the time of a task depended only on itself and on
-    /// the task before it.
+    /// `true` if no allowed order is faster, assuming that the time of a task depends only on
+    /// itself and on the task before it.
     pub is_exact: bool,
     /// Number of plans that were compared.
     pub plans: u64,
@@ -40,8 +41,9 @@ pub struct OrderedTasks {
 
 impl Optimiser {
     /// Searches for the order of the tasks of `program` ([`Program::tasks`]) with the shortest
-    /// cycle time. Paths within tasks stay as they are, and the last task stays the last one unless
-    /// a point-to-point motion to a position follows it.
+    /// cycle time. Paths within tasks stay as they are, except in blends between tasks. The last
+    /// task stays the last one unless a point-to-point motion follows it directly whose target does
+    /// not depend on the motion before ([`Program::is_independent`]).
     ///
     /// The time of each task is planned after each other one. Up to 16 tasks, all orders are then
     /// compared; of more tasks, the order is improved step by step. The fastest order is planned
@@ -89,13 +91,17 @@ impl Optimiser {
         let parts = TaskParts { program, tasks: &tasks };
         let mut sequence = self.sequence_times(&parts, &plans);
         self.check_stop()?;
-        found.is_exact = given.len() <= SequenceTimes::EXACT_TASKS;
+        let are_all_compared = given.len() <= SequenceTimes::EXACT_TASKS;
+        let mut checked = BTreeSet::new();
         let allows = |program: &Program, trajectory: &Trajectory, origins: &[usize]| {
             rule.is_none_or(|rule| rule(program, trajectory, origins))
         };
-        // If an order is not accepted, those successions that are not are excluded.
+        // If an order is not accepted, the search continues without those of its transitions that
+        // are not accepted.
         loop {
-            let order = if found.is_exact { sequence.fastest() } else { sequence.improved(&given) };
+            let order =
+                if are_all_compared { sequence.fastest() } else { sequence.improved(&given) };
+            found.is_exact = are_all_compared && order.is_some();
             let Some(order) = order.filter(|order| *order != given) else { break };
             let (changed, origins) = program.with_task_order(&order).map_err(of_task)?;
             let trajectory = times.plan(&changed);
@@ -108,10 +114,14 @@ impl Optimiser {
                 (found.order, found.program) = (order, changed);
                 break;
             }
-            if !parts.exclude(&mut sequence, &order, &mut times, &allows) {
+            let is_changed =
+                parts.exclude(&mut sequence, &order, &mut checked, &mut times, &allows);
+            self.check_stop()?;
+            if !is_changed {
+                // Each transition is accepted, but the order is not: slower orders are not tried.
+                found.is_exact = false;
                 break;
             }
-            self.check_stop()?;
         }
         found.plans = plans.load(Relaxed);
         Ok(found)
@@ -140,8 +150,11 @@ impl Optimiser {
                     }
                 });
                 let next_s: Vec<f64> = next_s.collect();
-                let last_s = if parts.is_last_free() || task + 1 == count {
-                    time_s(parts.carrying(), &[task], parts.following()) - alone_s
+                let following = parts.following();
+                let last_s = if !following.is_empty() {
+                    time_s(parts.carrying(), &[task], following) - alone_s
+                } else if task + 1 == count {
+                    0.0
                 } else {
                     f64::INFINITY
                 };
@@ -185,16 +198,17 @@ impl TaskParts<'_> {
         load.map_or(0..0, |load| load..load + 1)
     }
 
-    /// Entries after the tasks up to the first motion.
+    /// The motion after the tasks, if nothing after them depends on where the last one ends.
     fn following(&self) -> Range<usize> {
         let end = self.tasks.last().map_or(0, |task| task.entries.end);
-        let first = self.program.motions[end..].iter().position(Motion::moves);
-        first.map_or(end..end, |first| end..end + first + 1)
-    }
-
-    /// Returns true if the motion after the tasks does not depend on where the last one ends.
-    fn is_last_free(&self) -> bool {
-        self.following().last().is_some_and(|last| self.program.motions[last].is_ptp_to_position())
+        let after = &self.program.motions[end..];
+        let is_independent = after.first().is_some_and(|it| self.program.is_independent(it));
+        let mut moves = 0;
+        let overlaps_task = after.iter().any(|entry| {
+            moves += usize::from(entry.moves());
+            entry.overlap() > moves
+        });
+        if is_independent && !overlaps_task { end..end + 1 } else { end..end }
     }
 
     /// Returns the program of these entries, and the index of each of them.
@@ -235,39 +249,50 @@ impl TaskParts<'_> {
         Some(trajectory.at(trajectory.cycle_time_s()).q)
     }
 
-    /// Excludes those successions of an order that the rule does not accept; returns false if
-    /// there are none. Each is checked after a stop.
+    /// Excludes those transitions of an order that the rule does not accept; returns false if it
+    /// accepts all of them. Each is planned after a stop, and once: `checked` has the tasks before
+    /// and after those that are accepted.
     fn exclude(
         &self,
         sequence: &mut SequenceTimes,
         order: &[usize],
+        checked: &mut BTreeSet<[Option<usize>; 2]>,
         times: &mut CycleTimes<'_>,
         rule: OrderRule<'_>,
     ) -> bool {
-        let mut is_changed = false;
-        let mut check = |time_s: &mut f64, after: Option<usize>, part: (Program, Vec<usize>)| {
-            let (mut part, origins) = part;
-            if let Some(task) = after
-                && let Some(end_rad) = self.end_of(times, task)
-            {
+        let mut is_accepted = |before: Option<usize>, after: Option<usize>| {
+            if checked.contains(&[before, after]) {
+                return true;
+            }
+            let start = if before.is_none() { 0..self.start() } else { self.carrying() };
+            let end = if after.is_none() { self.following() } else { 0..0 };
+            let (mut part, origins) = self.part(start, after.as_slice(), end);
+            if part.motions.is_empty() {
+                return true;
+            }
+            if let Some(end_rad) = before.and_then(|task| self.end_of(times, task)) {
                 part.start = Start::Joints(end_rad);
             }
             let is_accepted =
                 times.plan(&part).is_ok_and(|trajectory| rule(&part, &trajectory, &origins));
-            if !is_accepted {
+            if is_accepted {
+                checked.insert([before, after]);
+            }
+            is_accepted
+        };
+        let mut is_changed = false;
+        let mut exclude_if = |is_excluded: bool, time_s: &mut f64| {
+            if is_excluded {
                 (*time_s, is_changed) = (f64::INFINITY, true);
             }
         };
-        if let Some(first) = order.first() {
-            check(&mut sequence.first_s[*first], None, self.part(0..self.start(), &[*first], 0..0));
-        }
-        for pair in order.windows(2) {
-            let part = self.part(self.carrying(), &[pair[1]], 0..0);
-            check(&mut sequence.next_s[pair[0]][pair[1]], Some(pair[0]), part);
-        }
-        if let Some(last) = order.last().filter(|_| !self.following().is_empty()) {
-            let part = self.part(self.carrying(), &[], self.following());
-            check(&mut sequence.last_s[*last], Some(*last), part);
+        if let (Some(first), Some(last)) = (order.first(), order.last()) {
+            exclude_if(!is_accepted(None, Some(*first)), &mut sequence.first_s[*first]);
+            for pair in order.windows(2) {
+                let time_s = &mut sequence.next_s[pair[0]][pair[1]];
+                exclude_if(!is_accepted(Some(pair[0]), Some(pair[1])), time_s);
+            }
+            exclude_if(!is_accepted(Some(*last), None), &mut sequence.last_s[*last]);
         }
         is_changed
     }

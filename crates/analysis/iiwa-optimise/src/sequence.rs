@@ -25,10 +25,16 @@ impl SequenceTimes {
     pub const EXACT_TASKS: usize = 16;
 
     /// Returns the fastest of all sequences, by a dynamic program over sets of tasks (Held and
-    /// Karp, 1962); `None` if none is possible. Beyond some 20 tasks, this takes too much memory.
+    /// Karp, 1962). `None` if none is possible, or if there are more than 20 tasks, which would
+    /// take too much memory.
     #[must_use]
     pub fn fastest(&self) -> Option<Vec<usize>> {
+        const MOST: usize = 20;
+
         let count = self.first_s.len();
+        if count > MOST {
+            return None;
+        }
         let bits = |tasks: &Vec<usize>| tasks.iter().fold(0_usize, |bits, task| bits | 1 << task);
         let after: Vec<usize> = self.after.iter().map(bits).collect();
         // Shortest time of a set of tasks (its bits) that ends with a certain one, and the task
@@ -71,30 +77,28 @@ impl SequenceTimes {
         Some(order)
     }
 
-    /// Improves a sequence that [is allowed](Self::is_allowed), and the one that always continues
-    /// with the nearest task, by moving and turning parts of it (2-opt and Or-opt); then again from
-    /// sequences that are similar to the best one. `None` if no possible sequence is found.
+    /// Improves a sequence that [is allowed](Self::is_allowed), and the sequence in which each task
+    /// follows in the shortest time, by moving and reversing parts of it (2-opt and Or-opt); then
+    /// again from sequences that are similar to the best one. `None` if no possible sequence is
+    /// found.
     #[must_use]
     pub fn improved(&self, given: &[usize]) -> Option<Vec<usize>> {
         /// Number of times that the search starts from a similar sequence.
         const RESTARTS: usize = 60;
-        /// Largest number of times that are added up in one search: some seconds of work.
+        /// Largest number of times that are added up: about a second of work.
         const MOST: usize = 400_000_000;
 
-        let mut added = 0;
-        let mut best = self.descended(given.to_vec(), &mut added);
+        let mut left = MOST;
+        let mut best = self.descended(given.to_vec(), &mut left);
         if let Some(start) = self.nearest() {
-            let other = self.descended(start, &mut added);
+            let other = self.descended(start, &mut left);
             if self.total_s(&other) < self.total_s(&best) {
                 best = other;
             }
         }
         let mut random = Random(1);
         for _ in 0..RESTARTS {
-            if added > MOST {
-                break;
-            }
-            let other = self.descended(self.shaken(&best, &mut random), &mut added);
+            let other = self.descended(self.shaken(&best, &mut random), &mut left);
             if self.total_s(&other) < self.total_s(&best) - ROUNDING_S {
                 best = other;
             }
@@ -110,19 +114,19 @@ impl SequenceTimes {
         self.first_s[*first] + between + self.last_s[*last]
     }
 
-    /// Returns true if each task comes after those that have to be before it.
+    /// Returns true if each task is after those that have to be before it.
     #[must_use]
     pub fn is_allowed(&self, order: &[usize]) -> bool {
         let mut place = vec![0; order.len()];
         for (at, task) in order.iter().enumerate() {
             place[*task] = at;
         }
-        let comes_after =
+        let is_after =
             |task: &usize| self.after[*task].iter().all(|before| place[*before] < place[*task]);
-        order.iter().all(comes_after)
+        order.iter().all(is_after)
     }
 
-    /// Returns the sequence that always continues with the task that takes the shortest time.
+    /// Returns the sequence in which each task is the one that takes the shortest time there.
     fn nearest(&self) -> Option<Vec<usize>> {
         let count = self.first_s.len();
         let mut order: Vec<usize> = Vec::with_capacity(count);
@@ -140,24 +144,24 @@ impl SequenceTimes {
         Some(order)
     }
 
-    /// Moves parts of up to three tasks elsewhere, also backwards, and turns parts of any length,
-    /// until no such step saves time.
-    fn descended(&self, mut order: Vec<usize>, added: &mut usize) -> Vec<usize> {
+    /// Moves parts of up to three tasks elsewhere, also reversed, and reverses parts of any length,
+    /// until no such step saves time, or until `left` times are added up.
+    fn descended(&self, mut order: Vec<usize>, left: &mut usize) -> Vec<usize> {
         let count = order.len();
         let mut total_s = self.total_s(&order);
         loop {
             let mut is_better = false;
             for from in 0..count {
                 for to in from + 1..=count {
-                    // A turn in place, and moves of short parts.
+                    // Only short parts are moved.
                     let places = if to - from <= 3 { 0..=count - (to - from) } else { from..=from };
                     for place in places {
-                        for is_turned in [false, true] {
-                            if place == from && !is_turned {
+                        for is_reversed in [false, true] {
+                            if place == from && !is_reversed {
                                 continue;
                             }
-                            let candidate = moved(&order, from..to, place, is_turned);
-                            *added += count;
+                            let candidate = moved(&order, from..to, place, is_reversed);
+                            *left = left.saturating_sub(count);
                             let candidate_s = self.total_s(&candidate);
                             if candidate_s < total_s - ROUNDING_S && self.is_allowed(&candidate) {
                                 (order, total_s, is_better) = (candidate, candidate_s, true);
@@ -166,7 +170,7 @@ impl SequenceTimes {
                     }
                 }
             }
-            if !is_better {
+            if !is_better || *left == 0 {
                 return order;
             }
         }
@@ -188,12 +192,12 @@ impl SequenceTimes {
     }
 }
 
-/// Returns a sequence whose part at `part` is moved to `place` in the rest, and turned.
-fn moved(order: &[usize], part: Range<usize>, place: usize, is_turned: bool) -> Vec<usize> {
+/// Returns a sequence whose part at `part` is moved to `place` in the rest, and reversed.
+fn moved(order: &[usize], part: Range<usize>, place: usize, is_reversed: bool) -> Vec<usize> {
     let mut rest: Vec<usize> = order[..part.start].to_vec();
     rest.extend_from_slice(&order[part.end..]);
     let mut moving = order[part].to_vec();
-    if is_turned {
+    if is_reversed {
         moving.reverse();
     }
     rest.splice(place..place, moving);

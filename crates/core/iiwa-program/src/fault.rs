@@ -11,7 +11,7 @@ use crate::{
     motion_index::MotionIndex,
     motion_path::motion_path,
     name_place::name_place,
-    tasks::TaskFault,
+    task::TaskFault,
     workcell::{MAX_FLANGE_M, MAX_TORQUE_LIMIT, MIN_OVERRIDE, MIN_TORQUE_LIMIT},
 };
 

@@ -47,6 +47,7 @@ mod program_builder;
 mod repeat_block;
 mod source;
 mod target;
+mod task;
 mod tasks;
 mod tool_limits;
 mod wire;
@@ -77,7 +78,8 @@ pub use program_builder::ProgramBuilder;
 pub use repeat_block::{MAX_REPEAT_DEPTH, MAX_REPEATED, RepeatBlock, Round};
 pub use source::{Source, Sources, motion_origin, with_motions};
 pub use target::{Frame, Target, TargetRef};
-pub use tasks::{MAX_TASKS, Task, TaskFault, TaskMotions};
+pub use task::{MAX_TASKS, Task, TaskFault};
+pub use tasks::TaskMotions;
 pub use tool_limits::ToolLimits;
 pub use wire::{MAX_ERRORS, ProgramError};
 pub use workcell::{

@@ -96,17 +96,6 @@ impl Motion {
         matches!(self, Self::Ptp(_) | Self::Cartesian(_))
     }
 
-    /// Returns true for a point-to-point motion to a position that does not depend on the motion
-    /// before.
-    #[must_use]
-    pub fn is_ptp_to_position(&self) -> bool {
-        match self {
-            Self::Ptp(_) => true,
-            Self::Cartesian(cartesian) => cartesian.is_ptp(),
-            Self::Wait { .. } | Self::Load(_) | Self::Io(_) => false,
-        }
-    }
-
     /// Returns true if the program waits for the end of the motion before it sends the next one.
     #[must_use]
     pub fn is_blocking(&self) -> bool {

@@ -103,3 +103,35 @@ fn enclosing(blocks: &[RepeatBlock], index: usize) -> Option<(&RepeatBlock, usiz
     let block = &blocks[after.checked_sub(1)?];
     block.range(0).contains(&index).then(|| (block, index - block.first))
 }
+
+/// Returns repeat blocks for motions in another order, with the inner blocks of those whose motions
+/// do not follow each other any more. `origins` has the former index of each motion.
+pub(crate) fn reordered_blocks(blocks: &[RepeatBlock], origins: &[usize]) -> Vec<RepeatBlock> {
+    let mut all = Vec::new();
+    add_reordered(blocks, 0, origins, &mut all);
+    all.sort_by_key(|block| block.first);
+    all
+}
+
+/// Adds the blocks of a list or of a round that starts at `base`.
+fn add_reordered(
+    blocks: &[RepeatBlock],
+    base: usize,
+    origins: &[usize],
+    all: &mut Vec<RepeatBlock>,
+) {
+    for block in blocks {
+        let range = block.range(base);
+        let Some(first) = origins.iter().position(|origin| *origin == range.start) else {
+            continue;
+        };
+        let there = origins.iter().skip(first).take(range.len()).copied();
+        if there.eq(range.clone()) {
+            all.push(RepeatBlock { first, ..block.clone() });
+            continue;
+        }
+        for round in range.step_by(block.motions.max(1)) {
+            add_reordered(&block.inner, round, origins, all);
+        }
+    }
+}

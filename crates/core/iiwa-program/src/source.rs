@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::{
     motion_index::MotionIndex,
     motion_label::{MotionLabel, text_fault},
-    repeat_block::{RepeatBlock, Round, in_first_rounds, rounds_of},
-    tasks::{Task, reordered_blocks},
+    repeat_block::{RepeatBlock, Round, in_first_rounds, reordered_blocks, rounds_of},
+    task::Task,
 };
 
 /// Source line of the motion, for messages.

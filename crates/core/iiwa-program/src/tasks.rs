@@ -1,166 +1,14 @@
-//! Tasks: groups of motions that may be executed in another order.
+//! Motions of tasks, and programs with their tasks in another order.
 
 use std::{collections::BTreeMap, ops::Range};
 
-use iiwa_json::{JsonPlace, JsonStep, excerpt, locate};
-use serde_json::Value;
-
 use crate::{
+    cartesian_motion::Course,
     flange_load::FlangeLoad,
     motion_index::MotionIndex,
     program::{Motion, Program},
-    repeat_block::RepeatBlock,
+    task::{MAX_TASKS, Task, TaskFault},
 };
-
-/// Largest number of tasks of a program.
-pub const MAX_TASKS: usize = 200;
-
-/// A group of motions that may be executed before or after other tasks.
-///
-/// The tasks of a program follow each other without other motions in between. Each of them begins
-/// with a point-to-point motion to a position, so that its path does not depend on the task before.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Task {
-    /// Group of the motions.
-    pub group: String,
-    /// Groups of the tasks that have to be executed before this one.
-    pub after: Vec<String>,
-}
-
-/// Fault of a task.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TaskFault {
-    /// There are too many tasks.
-    #[error("there are {found} tasks; at most {MAX_TASKS} are supported")]
-    TooMany {
-        /// Number of tasks.
-        found: usize,
-    },
-    /// No motion has the group of the task.
-    #[error("no motion has the group `{}`", excerpt(.group))]
-    NoMotions {
-        /// Group of the task.
-        group: String,
-    },
-    /// Two tasks have the same group.
-    #[error("the task `{}` is listed twice", excerpt(.group))]
-    Twice {
-        /// Group of the tasks.
-        group: String,
-    },
-    /// Another entry is between the motions of the task.
-    #[error(
-        "the motions of the task `{}` do not follow each other: motion {motion} does not belong to \
-         it", excerpt(.group)
-    )]
-    Interrupted {
-        /// Group of the task.
-        group: String,
-        /// Entry in between.
-        motion: MotionIndex,
-    },
-    /// Another entry is between two tasks.
-    #[error("motion {motion} is between two tasks; tasks have to follow each other")]
-    Between {
-        /// Entry in between.
-        motion: MotionIndex,
-    },
-    /// The path of the task would depend on the task before it.
-    #[error(
-        "motion {motion}: the task `{}` has to begin with a ptp to a position, so that its path \
-         does not depend on the task before it", excerpt(.group)
-    )]
-    Start {
-        /// Group of the task.
-        group: String,
-        /// First motion of the task.
-        motion: MotionIndex,
-    },
-    /// A wait of the task begins before the task.
-    #[error("motion {motion} overlaps a motion before its task `{}`", excerpt(.group))]
-    Overlap {
-        /// Group of the task.
-        group: String,
-        /// Index of the wait.
-        motion: MotionIndex,
-    },
-    /// The payload after the task is not the one before it.
-    #[error(
-        "the task `{}` ends with another payload than it begins with; the tasks after it would \
-         depend on it", excerpt(.group)
-    )]
-    Payload {
-        /// Group of the task.
-        group: String,
-    },
-    /// A task that has to be executed before is unknown.
-    #[error("`after` names `{}`, which is not a task", excerpt(.after))]
-    Unknown {
-        /// Group of the task.
-        group: String,
-        /// Name that is unknown.
-        after: String,
-    },
-    /// A task that has to be executed before comes later in the program.
-    #[error(
-        "the task `{}` is to be executed after `{}`, which comes later in the program",
-        excerpt(.group), excerpt(.after)
-    )]
-    Order {
-        /// Group of the task.
-        group: String,
-        /// Task that comes later.
-        after: String,
-    },
-}
-
-impl TaskFault {
-    /// Motion at fault, if any.
-    #[must_use]
-    pub fn motion(&self) -> Option<MotionIndex> {
-        match self {
-            Self::Interrupted { motion, .. }
-            | Self::Between { motion }
-            | Self::Start { motion, .. }
-            | Self::Overlap { motion, .. } => Some(*motion),
-            _ => None,
-        }
-    }
-
-    /// Group of the task at fault, if it is one.
-    fn group(&self) -> Option<&str> {
-        match self {
-            Self::TooMany { .. } | Self::Between { .. } => None,
-            Self::NoMotions { group }
-            | Self::Twice { group }
-            | Self::Interrupted { group, .. }
-            | Self::Start { group, .. }
-            | Self::Overlap { group, .. }
-            | Self::Payload { group }
-            | Self::Unknown { group, .. }
-            | Self::Order { group, .. } => Some(group),
-        }
-    }
-
-    /// Place of the task at fault in the program's JSON text.
-    pub(crate) fn place_in(&self, text: &str) -> JsonPlace {
-        use JsonStep::{Index, Key};
-        let document = serde_json::from_str::<Value>(text).unwrap_or_default();
-        let tasks = document["tasks"].as_array().map(Vec::as_slice).unwrap_or_default();
-        // The second one of two that are equal.
-        let task = tasks.iter().rposition(|task| task["group"].as_str() == self.group());
-        let mut path = vec![Key("tasks")];
-        path.extend(task.map(Index));
-        if let Self::Unknown { after, .. } | Self::Order { after, .. } = self {
-            let names = task.and_then(|task| tasks[task]["after"].as_array());
-            let name = names.and_then(|names| names.iter().position(|name| name == after));
-            path.push(Key("after"));
-            path.extend(name.map(Index));
-        }
-        locate(text, &path)
-    }
-}
 
 /// A task with its motions, and the tasks that it has to follow.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -274,7 +122,7 @@ impl Program {
                 return Err(TaskFault::Overlap { group: group(), motion });
             }
             let is_start = moves == 0 && entry.moves();
-            if is_start && !entry.is_ptp_to_position() {
+            if is_start && !self.is_independent(entry) {
                 return Err(TaskFault::Start { group: group(), motion });
             }
             moves += usize::from(entry.moves());
@@ -300,9 +148,27 @@ impl Program {
         })?
     }
 
+    /// Returns true for a point-to-point motion whose target does not depend on the motion before:
+    /// joint positions, or a frame with E1 and status.
+    #[must_use]
+    pub fn is_independent(&self, entry: &Motion) -> bool {
+        match entry {
+            Motion::Ptp(_) => true,
+            Motion::Cartesian(motion) => match &motion.course {
+                // An unknown frame is a fault of its own.
+                Course::Ptp { to } => self
+                    .workcell
+                    .target(to, motion.base.as_deref())
+                    .map_or(true, |(target, _)| target.e1_rad.is_some() && target.status.is_some()),
+                _ => false,
+            },
+            Motion::Wait { .. } | Motion::Load(_) | Motion::Io(_) => false,
+        }
+    }
+
     /// Returns the program with its tasks in another order, and for each of its entries the index
     /// of the same entry in this program. `order` has the indices of the tasks as in
-    /// [`tasks`](Self::tasks), each of them once. A repeat block with a part of a task is written
+    /// [`tasks`](Self::tasks), each of them once. A repeat block around several tasks is written
     /// out.
     ///
     /// # Errors
@@ -313,6 +179,11 @@ impl Program {
         let (Some(first), Some(last)) = (tasks.first(), tasks.last()) else {
             return Ok((self.clone(), (0..self.motions.len()).collect()));
         };
+        let mut all = order.to_vec();
+        all.sort_unstable();
+        if !all.into_iter().eq(0..tasks.len()) {
+            return Err(TaskFault::Incomplete { tasks: tasks.len() });
+        }
         let before = 0..first.entries.start;
         let moved = order.iter().filter_map(|task| tasks.get(*task)).map(|task| &task.entries);
         let after = last.entries.end..self.motions.len();
@@ -325,18 +196,4 @@ impl Program {
         program.tasks()?;
         Ok((program, origins))
     }
-}
-
-/// Returns repeat blocks for entries in another order, without those whose entries do not follow
-/// each other any more. `origins` has the former index of each entry.
-pub(crate) fn reordered_blocks(blocks: &[RepeatBlock], origins: &[usize]) -> Vec<RepeatBlock> {
-    let kept = blocks.iter().filter_map(|block| {
-        let range = block.range(0);
-        let first = origins.iter().position(|origin| *origin == range.start)?;
-        let there = origins.get(first..first + range.len())?;
-        there.iter().copied().eq(range).then(|| RepeatBlock { first, ..block.clone() })
-    });
-    let mut kept: Vec<_> = kept.collect();
-    kept.sort_by_key(|block| block.first);
-    kept
 }

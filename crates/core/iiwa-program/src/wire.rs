@@ -34,7 +34,7 @@ use serde_json::value::RawValue;
 use crate::{
     program::{Program, Start},
     source::Sources,
-    tasks::MAX_TASKS,
+    task::MAX_TASKS,
     workcell::{MAX_FLANGE_M, Workcell},
 };
 use by_name::{by_name, word_or_null};

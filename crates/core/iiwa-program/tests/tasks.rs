@@ -1,8 +1,8 @@
-//! Tasks: which groups of motions may be executed in another order, and what a list of them refuses.
+//! Tasks: their motions, other orders, and faults.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by it")]
 
-use iiwa_program::{Motion, MotionIndex, Program, TaskFault};
+use iiwa_program::{MAX_TASKS, Motion, MotionIndex, Program, TaskFault};
 use serde_json::{Value, json};
 
 fn ptp(a1_deg: f64, group: &str) -> Value {
@@ -23,7 +23,7 @@ fn read(tasks: &Value, motions: &[Value]) -> Program {
     Program::from_json(&text(tasks, motions)).unwrap()
 }
 
-/// Three tasks between two motions; the third one comes after the first one.
+/// Three tasks between two motions; the third one requires the first one.
 fn three() -> Program {
     let mut home = ptp(0.0, "");
     home.as_object_mut().unwrap().remove("group");
@@ -73,7 +73,11 @@ fn another_order_moves_motions_with_their_groups() {
     assert_eq!(Program::from_json(&ordered.to_json()).unwrap(), ordered);
     // And back.
     assert_eq!(ordered.with_task_order(&[1, 0, 2]).unwrap().0, program);
-    // The third one comes after the first one.
+    for wrong in [&[0, 1][..], &[0, 1, 1], &[0, 1, 3], &[0, 1, 2, 2]] {
+        let error = program.with_task_order(wrong).unwrap_err();
+        assert_eq!(error, TaskFault::Incomplete { tasks: 3 });
+    }
+    // The third one requires the first one.
     assert!(matches!(program.with_task_order(&[2, 0, 1]), Err(TaskFault::Order { .. })));
 }
 
@@ -86,6 +90,16 @@ fn blocks_within_a_task_move_with_it() {
     let (ordered, _) = program.with_task_order(&[1, 0]).unwrap();
     assert_eq!(ordered.sources.repeats()[0].range(0), 0..6);
     assert!(ordered.to_json().contains("\"repeat\""));
+    // Of a block around two tasks, the inner blocks are left.
+    let inner = json!({ "type": "repeat", "count": 2, "motions": [ptp(1.0, "a")] });
+    let block = json!({ "type": "repeat", "count": 1, "motions": [inner, ptp(2.0, "b")] });
+    let program = read(&tasks, &[block, ptp(3.0, "b")]);
+    let (ordered, _) = program.with_task_order(&[1, 0]).unwrap();
+    let range = |program: &Program| match program.sources.repeats() {
+        [block] => block.range(0),
+        blocks => panic!("{blocks:?}"),
+    };
+    assert_eq!([range(&program), range(&ordered)], [0..3, 2..4]);
     // A block of two tasks would have to run them alternately.
     let block = json!({ "type": "repeat", "count": 2, "motions": [ptp(1.0, "a"), ptp(2.0, "b")] });
     let error = Program::from_json(&text(&tasks, &[block])).unwrap_err().to_string();
@@ -118,6 +132,17 @@ fn faults_name_the_task_and_its_place() {
     let line = json!({ "type": "lin_rel", "offset": { "z_mm": 50 }, "group": "b" });
     is(fault(&ab, &[ptp(1.0, "a"), line]), ["has to begin with a ptp", "lin_rel"]);
     is(fault(&ab, &[ptp(1.0, "a"), wait(1.0, "b")]), ["has to begin with a ptp", "wait"]);
+    let frame = |e1_deg: Option<f64>, status: Option<u8>| {
+        json!({ "type": "ptp", "group": "b", "frame": { "x_mm": 500, "y_mm": 0, "z_mm": 400,
+            "a_deg": 0, "b_deg": 180, "c_deg": 0, "e1_deg": e1_deg, "status": status } })
+    };
+    for (e1_deg, status) in [(None, Some(2)), (Some(0.0), None)] {
+        let wrong = fault(&ab, &[ptp(1.0, "a"), frame(e1_deg, status)]);
+        is(wrong, ["to a frame with `e1_deg` and `status`", "frame"]);
+    }
+    assert!(read(&ab, &[ptp(1.0, "a"), frame(Some(0.0), Some(2))]).tasks().is_ok());
+    let many: Vec<_> = (0..=MAX_TASKS).map(|task| json!({ "group": task.to_string() })).collect();
+    is(fault(&json!(many), &both), ["201 tasks; at most 200", "["]);
     let overlap = json!({ "type": "wait", "seconds": 1, "overlap_motions": 2, "group": "b" });
     is(fault(&ab, &[ptp(1.0, "a"), ptp(2.0, "b"), overlap]), ["overlaps a motion before", "wait"]);
     let load = json!({ "type": "load", "load": { "mass_kg": 2 }, "group": "a" });
@@ -126,16 +151,17 @@ fn faults_name_the_task_and_its_place() {
     let unknown = json!([{ "group": "a" }, { "group": "b", "after": ["c"] }]);
     is(fault(&unknown, &both), ["`after` names `c`, which is not a task", r#""c""#]);
     let later = json!([{ "group": "a", "after": ["b"] }, { "group": "b" }]);
-    is(fault(&later, &both), ["after `b`, which comes later", r#""b""#]);
+    is(fault(&later, &both), ["after `b`, which follows", r#""b""#]);
     let itself = json!([{ "group": "a", "after": ["a"] }, { "group": "b" }]);
-    is(fault(&itself, &both), ["after `a`, which comes later", r#""a""#]);
+    is(fault(&itself, &both), ["after `a`, which follows", r#""a""#]);
     is(fault(&json!([["a"]]), &both), ["expected an object", "["]);
 }
 
 #[test]
 fn a_payload_that_a_task_puts_down_again_is_its_own() {
-    let load = |mass: Option<f64>| json!({ "type": "load", "group": "a", "load": mass.map(|mass| json!({ "mass_kg": mass })) });
-    let motions = [ptp(1.0, "a"), load(Some(2.0)), ptp(4.0, "a"), load(None), ptp(2.0, "b")];
+    let load = |load: Value| json!({ "type": "load", "group": "a", "load": load });
+    let picked_up = load(json!({ "mass_kg": 2 }));
+    let motions = [ptp(1.0, "a"), picked_up, ptp(4.0, "a"), load(Value::Null), ptp(2.0, "b")];
     let program = read(&json!([{ "group": "a" }, { "group": "b" }]), &motions);
     let (ordered, _) = program.with_task_order(&[1, 0]).unwrap();
     assert!(matches!(ordered.motions[2], Motion::Load(Some(_))));

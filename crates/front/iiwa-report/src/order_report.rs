@@ -20,7 +20,7 @@ pub struct OrderReport {
     changed_cycle_time_s: f64,
     /// `true` if the order was checked for collisions with a scene.
     checked_for_collisions: bool,
-    /// `true` if all orders were compared.
+    /// `true` if all allowed orders were compared.
     all_compared: bool,
     /// Number of plans that were compared.
     plans: u64,
@@ -75,10 +75,9 @@ impl OrderReport {
     pub fn text(&self, width: Option<u16>) -> String {
         let Self { cycle_time_s, changed_cycle_time_s: changed_s, plans, tasks, .. } = self;
         let compared = if self.all_compared {
-            format!("all orders of the {} tasks compared", tasks.len())
+            "all allowed orders compared"
         } else {
-            "a faster order may exist: of more than 16 tasks, not all orders are compared"
-                .to_owned()
+            "not all orders compared: a faster one may exist"
         };
         let mut text = String::new();
         if self.is_changed() {
@@ -86,12 +85,10 @@ impl OrderReport {
             for (index, OrderedTask { was, group, motions: [first, last] }) in
                 tasks.iter().enumerate()
             {
-                rows.add_row([
-                    (index + 1).to_string(),
-                    was.to_string(),
-                    printable(group),
-                    format!("{first} to {last}"),
-                ]);
+                let motions =
+                    if first == last { first.to_string() } else { format!("{first} to {last}") };
+                let [place, was] = [index + 1, *was].map(|number| number.to_string());
+                rows.add_row([place, was, printable(group), motions]);
             }
             let percent = 100.0 * (changed_s / cycle_time_s - 1.0);
             let _ = writeln!(
@@ -104,7 +101,8 @@ impl OrderReport {
         } else {
             let _ = writeln!(
                 text,
-                "No other order saves a millisecond of the cycle time of {cycle_time_s:.3} s"
+                "No other order{} saves a millisecond of the cycle time of {cycle_time_s:.3} s",
+                if self.checked_for_collisions { " that keeps the clearances" } else { "" }
             );
         }
         let _ = writeln!(text, "{plans} plans; {compared}");

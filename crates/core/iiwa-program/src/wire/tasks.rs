@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::tasks::Task;
+use crate::task::Task;
 
 /// A group of motions that may be executed before or after other tasks. The tasks of a program
 /// follow each other, and each begins with a `ptp` to a position.
