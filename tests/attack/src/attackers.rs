@@ -189,7 +189,10 @@ pub(super) struct Attack {
 impl Attack {
     fn spawn(&mut self, work: impl FnOnce(&AtomicBool) + Send + 'static) {
         let shutdown = Arc::clone(&self.shutdown);
-        self.threads.push(thread::spawn(move || work(&shutdown)));
+        self.threads.push(thread::spawn(move || {
+            lower();
+            work(&shutdown);
+        }));
     }
 
     /// Keeps a number of connections open, and reopens closed ones.
@@ -214,6 +217,13 @@ impl Drop for Attack {
             let _ = thread.join();
         }
     }
+}
+
+/// Lowers the priority of the thread: attackers on other machines would take no processor time from
+/// the programs.
+fn lower() {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::nice(10);
 }
 
 fn hold(count: usize, open: impl Fn() -> io::Result<TcpStream>, shutdown: &AtomicBool) {
