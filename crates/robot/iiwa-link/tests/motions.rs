@@ -92,7 +92,7 @@ fn other_keys_are_refused() {
 /// instructions. `null` is not valid for all of them.
 #[test]
 fn keys_of_motion_lists_are_known() {
-    const OF_PROGRAMS: [&str; 8] = [
+    const OF_PROGRAMS: [&str; 9] = [
         "$schema",
         "version",
         "robot",
@@ -101,6 +101,7 @@ fn keys_of_motion_lists_are_known() {
         "start",
         "limit_torque_percent",
         "override_percent",
+        "tasks",
     ];
     let schema = Program::schema();
     let keys = schema["properties"].as_object().unwrap().keys();
