@@ -122,6 +122,10 @@ fn add_reordered(
 ) {
     for block in blocks {
         let range = block.range(base);
+        if range.end > origins.len() {
+            // The program has been changed since.
+            continue;
+        }
         let Some(first) = origins.iter().position(|origin| *origin == range.start) else {
             continue;
         };
