@@ -160,22 +160,13 @@ impl Optimiser {
                 };
                 // The difference of two times that are not possible is not a number.
                 let or_infinite = |time: f64| if time.is_nan() { f64::INFINITY } else { time };
-                (first_s, next_s.into_iter().map(or_infinite).collect(), or_infinite(last_s))
+                let next_s: Vec<f64> = next_s.into_iter().map(or_infinite).collect();
+                (first_s, (next_s, or_infinite(last_s)))
             },
         );
-        let all: Vec<(f64, Vec<f64>, f64)> = all.collect();
-        let mut sequence = SequenceTimes {
-            first_s: Vec::with_capacity(count),
-            next_s: Vec::with_capacity(count),
-            last_s: Vec::with_capacity(count),
-            after: parts.tasks.iter().map(|task| task.after.clone()).collect(),
-        };
-        for (first_s, next_s, last_s) in all {
-            sequence.first_s.push(first_s);
-            sequence.next_s.push(next_s);
-            sequence.last_s.push(last_s);
-        }
-        sequence
+        let (first_s, (next_s, last_s)) = all.unzip();
+        let after = parts.tasks.iter().map(|task| task.after.clone()).collect();
+        SequenceTimes { first_s, next_s, last_s, after }
     }
 }
 

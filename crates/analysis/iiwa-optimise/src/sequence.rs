@@ -98,6 +98,9 @@ impl SequenceTimes {
         }
         let mut random = Random(1);
         for _ in 0..RESTARTS {
+            if left == 0 {
+                break;
+            }
             let other = self.descended(self.shaken(&best, &mut random), &mut left);
             if self.total_s(&other) < self.total_s(&best) - ROUNDING_S {
                 best = other;
