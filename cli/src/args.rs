@@ -75,7 +75,7 @@ pub(crate) use place::PlaceRobot;
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
-pub(crate) use search_options::{SceneOptions, SearchInput, SearchOptions};
+pub(crate) use search_options::{SceneOptions, SearchInput, SearchOptions, SearchOutput};
 pub(crate) use shell::{Completions, Man};
 pub(crate) use urdf::Urdf;
 pub(crate) use validate::Validate;

@@ -15,15 +15,30 @@ use iiwa_program::Program;
 use iiwa_report::carried;
 use iiwa_scene::{AllowedClearances, ArmInScene, Scene};
 use iiwa_traj::{PlanError, SweepOptions, Trajectory};
+use serde::Serialize;
 
 use crate::{
     application::program_or_application,
-    args::{SceneOptions, SearchInput, SearchOptions},
-    failure::Failure,
+    args::{SceneOptions, SearchInput, SearchOptions, SearchOutput},
+    failure::{Failure, print_note},
     input::{self, Input},
     output,
+    output_kind::OutputKind,
     progress::Progress,
+    terminal,
 };
+
+impl SearchOutput {
+    /// Rejects an output that exists, unless it is to be replaced, and one among the inputs.
+    pub(crate) fn check<'a>(
+        &self,
+        inputs: impl IntoIterator<Item = (&'a str, &'a Path)>,
+    ) -> Result<(), Failure> {
+        let Some(path) = &self.output else { return Ok(()) };
+        output::keep_others(OutputKind::Program, path, inputs, "--output")?;
+        output::keep_existing(OutputKind::Program, path, self.overwrite)
+    }
+}
 
 /// Rule that the trajectory of a changed program has to satisfy.
 pub(crate) type PathRule<'a> = &'a (dyn Fn(&Trajectory) -> bool + Sync);
@@ -173,6 +188,28 @@ impl SearchedProgram<'_> {
             return Err(wrong("brings the arm too near to an obstacle when it is planned again"));
         }
         Ok((changed, planned))
+    }
+
+    /// Writes the program that a search has found, if an output is given, and prints its report.
+    pub(crate) fn finish<R: Serialize>(
+        &self,
+        output: &SearchOutput,
+        (found, cycle_time_s): (&Program, f64),
+        report: &R,
+        text: impl FnOnce(&R, Option<u16>) -> String,
+    ) -> Result<(), Failure> {
+        if let Some(path) = &output.output {
+            let (again, _) = self.planned_again(found, cycle_time_s, path)?;
+            output::write(path, format!("{}\n", again.source.program.to_json()).as_bytes())?;
+            if *found == *self.plan.program {
+                print_note(&format!("Note: {} is the unchanged program\n", path.display()));
+            }
+        }
+        if output.json {
+            output::print_json(report)
+        } else {
+            output::print(&text(report, terminal::width()))
+        }
     }
 
     /// Returns true if a trajectory keeps the clearances.

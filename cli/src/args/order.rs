@@ -1,10 +1,8 @@
 //! `iiwasim order`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
-use super::{SceneOptions, SearchInput};
+use super::{SceneOptions, SearchInput, SearchOutput};
 
 /// Find the order of tasks in which a program is fastest.
 ///
@@ -28,15 +26,6 @@ pub(crate) struct OrderTasks {
     #[command(flatten)]
     pub(crate) around: SceneOptions,
 
-    /// Path of the program with its tasks in the fastest order, in JSON
-    #[arg(short, long, value_name = "FILE.json")]
-    pub(crate) output: Option<PathBuf>,
-
-    /// Replace an existing program, which may have been edited by hand
-    #[arg(long, requires = "output")]
-    pub(crate) overwrite: bool,
-
-    /// Print a JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) found: SearchOutput,
 }

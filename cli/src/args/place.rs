@@ -1,10 +1,8 @@
 //! `iiwasim place`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
-use super::{SearchInput, values::number};
+use super::{SearchInput, SearchOutput, values::number};
 
 /// Find the robot base position at which a program is fastest.
 ///
@@ -47,17 +45,8 @@ pub(crate) struct PlaceRobot {
         value_parser = clap::value_parser!(u8).range(2..=100))]
     pub(crate) steps: u8,
 
-    /// Path of the program for the best place, in JSON
-    #[arg(short, long, value_name = "FILE.json")]
-    pub(crate) output: Option<PathBuf>,
-
-    /// Replace an existing program, which may have been edited by hand
-    #[arg(long, requires = "output")]
-    pub(crate) overwrite: bool,
-
-    /// Print a JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) found: SearchOutput,
 }
 
 /// A range `FROM:TO`, or a single value.

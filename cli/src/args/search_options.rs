@@ -39,6 +39,22 @@ pub(crate) struct SearchOptions {
     pub(crate) around: SceneOptions,
 }
 
+/// Output of a search that need not write the program that it finds.
+#[derive(Args, Debug)]
+pub(crate) struct SearchOutput {
+    /// Path of the fastest program, in JSON
+    #[arg(short, long, value_name = "FILE.json")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Replace an existing program, which may have been edited by hand
+    #[arg(long, requires = "output")]
+    pub(crate) overwrite: bool,
+
+    /// Print a JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 /// Scene in which changes are checked for collisions.
 #[derive(Args, Debug)]
 pub(crate) struct SceneOptions {

@@ -3,22 +3,11 @@
 use iiwa_optimise::PlaceGrid;
 use iiwa_report::PlaceReport;
 
-use crate::{
-    args::PlaceRobot,
-    failure::{Failure, print_note},
-    output,
-    output_kind::OutputKind,
-    search::SearchedProgram,
-    terminal,
-};
+use crate::{args::PlaceRobot, failure::Failure, search::SearchedProgram};
 
 /// Prints the cycle times with the robot at other places, and writes the program for the best one.
 pub(crate) fn run(options: &PlaceRobot) -> Result<(), Failure> {
-    if let Some(path) = &options.output {
-        let inputs = [("program", options.input.program.as_path())];
-        output::keep_others(OutputKind::Program, path, inputs, "--output")?;
-        output::keep_existing(OutputKind::Program, path, options.overwrite)?;
-    }
+    options.found.check([("program", options.input.program.as_path())])?;
     let grid = grid(options)?;
     SearchedProgram::read(&options.input, |search| finish(options, &grid, &search))
 }
@@ -57,18 +46,6 @@ fn finish(
     }
     let map = search.run(|| search.optimiser.place(program, grid))?;
     let report = PlaceReport::new(&map, grid, program.joint_targets());
-    if let Some(path) = &options.output {
-        let best_s = map.best.and_then(|best| best.cycle_time_s);
-        let best_s = best_s.unwrap_or(map.cycle_time_s);
-        let (placed, _) = search.planned_again(&map.program, best_s, path)?;
-        output::write(path, format!("{}\n", placed.source.program.to_json()).as_bytes())?;
-        if map.best.is_none() {
-            print_note(&format!("Note: {} is the unchanged program\n", path.display()));
-        }
-    }
-    if options.json {
-        output::print_json(&report)
-    } else {
-        output::print(&report.text(terminal::width()))
-    }
+    let best_s = map.best.and_then(|best| best.cycle_time_s).unwrap_or(map.cycle_time_s);
+    search.finish(&options.found, (&map.program, best_s), &report, PlaceReport::text)
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use iiwa_program::MotionIndex;
 use iiwa_traj::Trajectory;
 
-use crate::{ArmInScene, PlannedClearance};
+use crate::{ArmInScene, CarriedBodies, PlannedClearance};
 
 /// Clearances from obstacles and of the arm from itself that a changed program has to keep: each
 /// motion a smallest one, or its own one before the change if that is less.
@@ -51,15 +51,16 @@ impl<'a> AllowedClearances<'a> {
     }
 
     /// Returns true if a program keeps the clearances that consists of entries of the unchanged
-    /// one: `origins` has the index there of each of its entries, and `arm` carries its shapes.
+    /// one: `origins` has the index there of each of its entries, and `bodies` are the shapes that
+    /// it carries.
     #[must_use]
     pub fn allow_reordered(
         &self,
-        arm: &ArmInScene,
+        bodies: &CarriedBodies,
         changed: &Trajectory,
         origins: &[usize],
     ) -> bool {
-        self.allow_by(arm, changed, |motion| {
+        self.allow_by(&self.arm.carrying(bodies), changed, |motion| {
             origins.get(motion.index()).map_or(motion, |origin| MotionIndex::new(*origin))
         })
     }

@@ -65,8 +65,7 @@ impl OrderReport {
     }
 
     /// Returns true if the fastest order is not that of the program.
-    #[must_use]
-    pub fn is_changed(&self) -> bool {
+    fn is_changed(&self) -> bool {
         self.tasks.iter().enumerate().any(|(index, task)| task.was != index + 1)
     }
 
