@@ -79,6 +79,7 @@ SAME_MEANING = {
         "Clearance": "python scene",
         "Comparison": "eval python",
         "Optimum": "optimise python",
+        "PlaceMap": "optimise python",
         "Plan": "plan python",
         "Program": "program python",
         "Recording": "log python",

@@ -18,25 +18,30 @@ _Array: TypeAlias = NDArray[np.float64]
 _Path: TypeAlias = str | PathLike[str]
 _Robot: TypeAlias = Robot | str | PathLike[str]
 _Place: TypeAlias = Frame | None
+_Range: TypeAlias = float | tuple[float, float]
 
 __all__ = [
     "Clearance",
     "Comparison",
     "Identification",
     "Optimum",
+    "PlaceMap",
     "Plan",
     "Program",
     "Recording",
     "Robot",
     "Samples",
     "Scene",
+    "TaskOrder",
     "applications",
     "compare",
     "frame",
     "identify",
     "import_application",
     "optimise",
+    "order",
     "page",
+    "place",
     "plan",
     "plan_all",
     "pose",
@@ -313,6 +318,38 @@ class Optimum:
     def complete(self) -> bool: ...
 
 @final
+class PlaceMap:
+    @property
+    def program(self) -> Program: ...
+    @property
+    def cycle_time_s(self) -> float: ...
+    @property
+    def changed_cycle_time_s(self) -> float: ...
+    @property
+    def best(self) -> tuple[float, float, float, float] | None: ...
+    @property
+    def places(self) -> _Array: ...
+    @property
+    def cycle_times_s(self) -> _Array: ...
+    @property
+    def plans(self) -> int: ...
+
+@final
+class TaskOrder:
+    @property
+    def program(self) -> Program: ...
+    @property
+    def cycle_time_s(self) -> float: ...
+    @property
+    def changed_cycle_time_s(self) -> float: ...
+    @property
+    def tasks(self) -> list[str]: ...
+    @property
+    def plans(self) -> int: ...
+    @property
+    def complete(self) -> bool: ...
+
+@final
 class Recording:
     def __new__(
         cls,
@@ -419,6 +456,27 @@ def optimise(
     budget: int = 50_000,
     progress: Callable[[int], object] | None = None,
 ) -> Optimum: ...
+def order(
+    program: Program,
+    *,
+    robot: _Robot | None = None,
+    timing: Timing = "sunrise",
+    scene: Scene | None = None,
+    min_clearance_mm: float = 10.0,
+    progress: Callable[[int], object] | None = None,
+) -> TaskOrder: ...
+def place(
+    program: Program,
+    *,
+    x_mm: _Range = ...,
+    y_mm: _Range = ...,
+    z_mm: _Range = ...,
+    yaw_deg: _Range = ...,
+    steps: int = 5,
+    robot: _Robot | None = None,
+    timing: Timing = "sunrise",
+    progress: Callable[[int], object] | None = None,
+) -> PlaceMap: ...
 def compare(
     plan: Plan | str | PathLike[str] | tuple[str, bytes], measured: Recording, /
 ) -> Comparison: ...

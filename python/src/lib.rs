@@ -17,7 +17,9 @@ mod evaluation;
 mod frames;
 mod optimise;
 mod options;
+mod order;
 mod page;
+mod place;
 mod plan;
 mod planning;
 mod program;
@@ -25,6 +27,7 @@ mod recording;
 mod robot;
 mod samples;
 mod scene;
+mod search;
 mod sunrise;
 mod work;
 
@@ -44,7 +47,9 @@ mod _native {
         evaluation::{Comparison, Identification, compare, identify},
         frames::{frame, pose},
         optimise::{Optimum, optimise},
+        order::{TaskOrder, order},
         page::page,
+        place::{PlaceMap, place},
         plan::Plan,
         planning::{plan, plan_all},
         program::Program,

@@ -1,24 +1,17 @@
 //! Programs that are changed to be faster.
 
-use std::sync::{Arc, atomic::Ordering};
+use std::sync::Arc;
 
 use iiwa_optimise::{Freedom, Optimiser, Optimum as Found};
-use iiwa_plan::{Error, Plan as Planned, PlanRequest};
-use iiwa_report::carried;
-use iiwa_scene::{AllowedClearances, ArmInScene};
-use iiwa_traj::{PlanError, Trajectory};
-use pyo3::{
-    exceptions::{PyRuntimeError, PyValueError},
-    prelude::*,
-};
-use rayon::ThreadPoolBuilder;
+use iiwa_plan::Plan as Planned;
+use iiwa_traj::Trajectory;
+use pyo3::{exceptions::PyValueError, prelude::*};
 
 use crate::{
-    errors::{plan_error, plan_error_in},
-    options::{RobotArgument, plan_options},
+    options::RobotArgument,
     program::Program,
     scene::Scene,
-    work::interruptible,
+    search::{SceneOfSearch, at_least_0, search},
 };
 
 /// The fastest version of a program that was found: the result of `optimise`.
@@ -122,12 +115,6 @@ impl Optimum {
     }
 }
 
-/// The search ended with an error, or the unchanged program touches something.
-enum SearchFailure {
-    Plan(PlanError),
-    Contact(String),
-}
-
 /// Changes a program so that it is faster.
 ///
 /// `free` names the kinds of changes: `'e1'`, elbow angles at targets, with which lines, circles
@@ -167,58 +154,23 @@ pub(crate) fn optimise(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Optimum> {
     let freedom = freedom(&free)?;
-    for (name, value) in [("max_blend_mm", max_blend_mm), ("min_clearance_mm", min_clearance_mm)] {
-        if !(value.is_finite() && value >= 0.0) {
-            return Err(PyValueError::new_err(format!("{name} is {value}; at least 0 is needed")));
-        }
-    }
+    at_least_0("max_blend_mm", max_blend_mm)?;
     let given = program.get();
-    let robot = robot.map(|robot| robot.model(py)).transpose()?.unwrap_or_else(|| given.model());
-    let options = plan_options(timing, "iiwa", "first-crossing", 100)?;
-    let request = PlanRequest { robot: Some(robot), options, ..PlanRequest::default() };
-    let scene = scene
-        .map(|scene| {
-            let shapes = carried(&given.source).map_err(|error| plan_error(py, &error))?;
-            PyResult::Ok((Arc::clone(&scene.get().parsed), shapes))
-        })
-        .transpose()?;
-    let source = Arc::clone(&given.source);
-    // A local pool: threads of the global pool do not exist in a forked process.
-    let pool = ThreadPoolBuilder::new()
-        .build()
-        .map_err(|error| PyRuntimeError::new_err(format!("cannot start the threads: {error}")))?;
-    let plan = move |stop| request.plan_with(&mut None, &source, &stop);
-    let planned = interruptible(py, plan, |_| Ok(()))?;
-    let planned = planned.map_err(|error| plan_error_in(py, &error, given.text(), given.origin))?;
-    let optimiser = Optimiser::new(planned.robot().clone(), options)
-        .with_freedom(freedom)
-        .with_max_blend_mm(max_blend_mm)
-        .with_budget(budget);
-    let plans = optimiser.plan_count();
-    let search = move |stop| {
-        let optimiser = optimiser.interrupted_by(stop);
-        let search = || match &scene {
-            Some((scene, shapes)) => {
-                let arm = ArmInScene::new(planned.robot(), scene).carrying(shapes);
-                within(&optimiser, &planned, &arm, 1e-3 * min_clearance_mm)
-            }
-            None => optimiser.optimise(&planned.program).map_err(SearchFailure::Plan),
-        };
-        let found = pool.install(search);
-        (found, planned)
+    let scene = SceneOfSearch::new(py, given, scene, min_clearance_mm)?;
+    let work = move |optimiser: &Optimiser, planned: &Planned| {
+        let optimiser = optimiser
+            .clone()
+            .with_freedom(freedom)
+            .with_max_blend_mm(max_blend_mm)
+            .with_budget(budget);
+        let Some(scene) = scene else { return Ok(optimiser.optimise(&planned.program)?) };
+        let arm = scene.arm(planned);
+        let clearances = scene.clearances(&arm, planned)?;
+        let rule = |trajectory: &Trajectory| clearances.allow(trajectory);
+        Ok(optimiser.optimise_within(&planned.program, &rule)?)
     };
-    let tick = |_: Python<'_>| {
-        progress.iter().try_for_each(|call| call.call1((plans.load(Ordering::Relaxed),)).map(drop))
-    };
-    let (found, planned) = interruptible(py, search, tick)?;
-    match found {
-        Ok(found) => optimum(py, given, &planned, found),
-        Err(SearchFailure::Plan(error)) => {
-            let error = Error::plan(error, &planned.program.sources, given.text());
-            Err(plan_error_in(py, &error, given.text(), given.origin))
-        }
-        Err(SearchFailure::Contact(message)) => Err(PyValueError::new_err(message)),
-    }
+    let (found, planned) = search(py, given, robot, timing, progress, work)?;
+    optimum(py, given, &planned, found)
 }
 
 /// Kinds of changes, from their names.
@@ -237,26 +189,6 @@ fn freedom(names: &[String]) -> PyResult<Freedom> {
         }
     }
     Ok(freedom)
-}
-
-/// Searches among the changes that keep the clearances in a scene.
-fn within(
-    optimiser: &Optimiser,
-    planned: &Planned,
-    arm: &ArmInScene,
-    min_m: f64,
-) -> Result<Found, SearchFailure> {
-    let clearances =
-        AllowedClearances::new(arm, &planned.trajectory, min_m).map_err(|contact| {
-            SearchFailure::Contact(format!(
-                "the arm touches {} in motion {}: changes can be checked only for a program that \
-                 touches no obstacle",
-                arm.name_of(contact.clearance.other),
-                contact.motion,
-            ))
-        })?;
-    let rule = |trajectory: &Trajectory| clearances.allow(trajectory);
-    optimiser.optimise_within(&planned.program, &rule).map_err(SearchFailure::Plan)
 }
 
 fn optimum(py: Python<'_>, given: &Program, planned: &Planned, found: Found) -> PyResult<Optimum> {

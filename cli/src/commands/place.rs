@@ -35,10 +35,7 @@ fn finish(
     search: &SearchedProgram<'_>,
 ) -> Result<(), Failure> {
     let program = &search.plan.program;
-    let [gravity_x, gravity_y, gravity_z] = program.workcell.mount.gravity_m_s2();
-    if grid.yaws_rad.iter().any(|yaw_rad| *yaw_rad != 0.0)
-        && gravity_x.hypot(gravity_y) > 1e-6 * gravity_z.abs()
-    {
+    if grid.turns_gravity(&program.workcell.mount) {
         return Err(Failure::input(
             "--yaw: the robot is not mounted upright or hanging, so that gravity turns with its \
              base; leave --yaw out, and state the other mounting in the program",

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use iiwa_kin::Pose;
+use iiwa_kin::{Mount, Pose};
 use iiwa_program::Program;
 use iiwa_traj::PlanError;
 use rayon::prelude::*;
@@ -52,6 +52,14 @@ impl PlaceGrid {
     #[must_use]
     pub fn count(&self) -> usize {
         self.axes().iter().fold(1, |count, axis| count.saturating_mul(axis.len()))
+    }
+
+    /// Returns true if gravity would turn with the base: the grid has rotations, and the robot is
+    /// mounted neither upright nor hanging. Such a search has no meaning.
+    #[must_use]
+    pub fn turns_gravity(&self, mount: &Mount) -> bool {
+        let [x, y, z] = mount.gravity_m_s2();
+        self.yaws_rad.iter().any(|yaw_rad| *yaw_rad != 0.0) && x.hypot(y) > 1e-6 * z.abs()
     }
 
     fn axes(&self) -> [&[f64]; 4] {

@@ -1,0 +1,100 @@
+"""The fastest order of tasks, and the fastest robot base position."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from programs import FIXTURES
+
+import iiwasim as iw
+
+
+def screws() -> iw.Program:
+    return iw.Program.load(FIXTURES / "screws.json")
+
+
+def pick_and_place() -> iw.Program:
+    return iw.Program.load(FIXTURES / "pick-and-place.json")
+
+
+def test_the_program_in_the_fastest_order_takes_as_long_as_stated() -> None:
+    order = iw.order(screws())
+    planned = iw.plan(order.program).cycle_time_s
+    assert planned == pytest.approx(order.changed_cycle_time_s, abs=1e-9)
+    assert planned < 0.96 * order.cycle_time_s
+    assert sorted(order.tasks) == [f"screw {number}" for number in range(1, 9)]
+    motions = json.loads(order.program.to_json())["motions"]
+    assert [motion["group"] for motion in motions[:-1:4]] == order.tasks
+    assert order.complete
+    assert "8 tasks" in repr(order)
+
+
+def test_the_order_keeps_clearances() -> None:
+    post = {"type": "box", "name": "post", "size_mm": [40, 40, 170], "center_mm": [550, 0, 175]}
+    scene = iw.Scene.from_json(json.dumps({"version": 1, "obstacles": [post]}))
+    near = iw.order(screws(), scene=scene)
+    far = iw.order(screws(), scene=scene, min_clearance_mm=150)
+    assert near.tasks != far.tasks
+    assert near.changed_cycle_time_s < far.changed_cycle_time_s < far.cycle_time_s
+
+
+def test_a_program_without_tasks_stays_as_it_is() -> None:
+    program = pick_and_place()
+    order = iw.order(program)
+    assert order.program == program
+    assert order.tasks == []
+
+
+def test_the_program_at_the_best_place_takes_as_long_as_stated() -> None:
+    program = pick_and_place()
+    places = iw.place(program, x_mm=(-50, 50), y_mm=(0, 20), steps=2)
+    assert places.places.shape == (4, 4)
+    assert places.places[:, 0] == pytest.approx([-50, 50, -50, 50])
+    assert places.best is not None
+    assert places.best[0] == pytest.approx(-50)
+    planned = iw.plan(places.program).cycle_time_s
+    assert planned == pytest.approx(places.changed_cycle_time_s, abs=1e-9)
+    assert planned <= places.cycle_times_s.min() < places.cycle_time_s
+    assert "4 places" in repr(places)
+
+
+def test_places_out_of_reach_have_no_time() -> None:
+    places = iw.place(pick_and_place(), x_mm=(-2000, 2000), y_mm=0, steps=2)
+    assert np.isnan(places.cycle_times_s).all()
+    assert places.best is None
+    assert places.program == pick_and_place()
+
+
+def test_a_robot_on_a_wall_does_not_turn() -> None:
+    program = pick_and_place()
+    wall = iw.Program.from_json(
+        program.to_json().replace(
+            '"version": 1,', '"version": 1, "mount": {"rpy_deg": [0, 90, 0]},'
+        )
+    )
+    with pytest.raises(ValueError, match="yaw_deg turns a robot"):
+        iw.place(wall, x_mm=0, y_mm=0, yaw_deg=(0, 9), steps=2)
+    assert iw.place(wall, x_mm=0, y_mm=0, yaw_deg=0).cycle_time_s > 0
+
+
+def test_progress_of_places_is_reported() -> None:
+    seen: list[int] = []
+    places = iw.place(pick_and_place(), steps=25, progress=seen.append)
+    assert seen and seen == sorted(seen)
+    assert all(plans <= places.plans for plans in seen)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"x_mm": (1, -1)}, "x_mm is"),
+        ({"yaw_deg": float("inf")}, "yaw_deg is"),
+        ({"steps": 1}, "steps is 1"),
+        ({"z_mm": (0, 1), "yaw_deg": (0, 1), "steps": 100}, "100000000 places"),
+    ],
+)
+def test_wrong_ranges_are_named(options: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        iw.place(pick_and_place(), **options)  # type: ignore[arg-type]
