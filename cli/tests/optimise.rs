@@ -45,6 +45,24 @@ fn the_written_program_takes_as_long_as_stated() {
         );
 }
 
+/// The bound is known where elbow angles alone may change, between stops.
+#[test]
+fn a_lower_bound_is_printed() {
+    let (folder, program) = (tempdir().unwrap(), path("production/move-a-casting.json"));
+    let arguments = ["optimise", &program, "-o", "faster.json"];
+    let shown = iiwasim(&folder, &arguments).success();
+    shown.stdout(contains("for E1 in steps of 1 deg: ").and(contains("(0.0 % below the result)")));
+    let again = [&arguments[..], &["--overwrite", "--json"]].concat();
+    let report = figures(iiwasim(&folder, &again));
+    let bound = &report["lower_bound"];
+    let gap_s = seconds(&report, "changed_cycle_time_s") - seconds(bound, "cycle_time_s");
+    assert!((0.0..2e-3).contains(&gap_s), "{report}");
+    assert_eq!(bound["e1_step_deg"], json!(1));
+
+    let report = figures(iiwasim(&folder, &[&again[..], &["--free", "e1,blends"]].concat()));
+    assert_eq!(report["lower_bound"], json!(null));
+}
+
 /// The page holds both plans and the changes, and loads nothing.
 #[test]
 fn a_page_shows_both_plans() {

@@ -27,6 +27,7 @@ pub(crate) struct Optimum {
     changed_cycle_time_s: f64,
     changes: Vec<String>,
     plans: u64,
+    lower_bound_s: Option<f64>,
     complete: bool,
 }
 
@@ -91,6 +92,18 @@ impl Optimum {
     #[getter]
     fn plans(&self) -> u64 {
         self.plans
+    }
+
+    /// Lower bound of the cycle time with any E1 in whole degrees from the given ones, or in larger
+    /// steps in a long program; None if it is not known.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> optimum = iw.optimise(iw.Program.load('fixtures/production/insert-a-peg.json'))
+    /// >>> optimum.lower_bound_s <= optimum.changed_cycle_time_s < optimum.lower_bound_s + 0.002
+    /// True
+    #[getter]
+    fn lower_bound_s(&self) -> Option<f64> {
+        self.lower_bound_s
     }
 
     /// False if the budget ended the search.
@@ -202,6 +215,7 @@ fn optimum(py: Python<'_>, given: &Program, planned: &Planned, found: Found) -> 
         changed_cycle_time_s: found.changed_cycle_time_s,
         changes,
         plans: found.plans,
+        lower_bound_s: found.lower_bound.map(|bound| bound.cycle_time_s),
         complete: found.is_complete,
     })
 }

@@ -43,7 +43,8 @@ pub(crate) struct Optimise {
     )]
     pub(crate) free: Vec<FreeKind>,
 
-    /// Number of plans after which no further round of changes begins
+    /// Number of plans after which no further round of changes begins; before these rounds, the
+    /// search for elbow angles may plan five times as many groups of motions and ways between them
     #[arg(long, value_name = "PLANS", default_value_t = 50_000)]
     pub(crate) budget: u64,
 

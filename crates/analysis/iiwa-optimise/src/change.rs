@@ -105,6 +105,19 @@ impl Change {
         }
     }
 
+    /// Returns this change for a program that begins with its motion.
+    pub(crate) fn at_start(self) -> Self {
+        let first = self.motion.index();
+        let kind = match self.kind {
+            ChangeKind::Elbow { from_rad, to_rad, last } => {
+                let last = MotionIndex::new(last.index() - first);
+                ChangeKind::Elbow { from_rad, to_rad, last }
+            }
+            kind => kind,
+        };
+        Self { motion: MotionIndex::new(0), kind }
+    }
+
     /// Returns the changed program; `None` if the program has no such motion.
     #[must_use]
     pub fn apply(&self, program: &Program) -> Option<Program> {

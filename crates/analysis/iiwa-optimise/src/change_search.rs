@@ -1,6 +1,9 @@
 //! Search for single changes of one version of a program.
 
-use std::{ops::Range, sync::atomic::AtomicU64};
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicU64, Ordering::Relaxed},
+};
 
 use iiwa_program::Program;
 use iiwa_traj::Trajectory;
@@ -101,6 +104,31 @@ impl ChangeSearch<'_> {
         (is_faster && self.allows(times, &version.program)).then_some(version)
     }
 
+    /// Leaves out changes that save less than a millisecond beside all others. Returns the changes
+    /// that are left, and the version with them; `None` if they save less than a millisecond, or
+    /// are not possible.
+    pub(crate) fn with_needed(
+        &self,
+        times: &mut CycleTimes<'_>,
+        mut changes: Vec<Change>,
+    ) -> Option<(Vec<Change>, Version)> {
+        let mut cycle_time_s = |changes: &[Change]| {
+            let changed = times.changed(self.version, &changes.iter().collect::<Vec<_>>());
+            changed.map_or(f64::INFINITY, |(_, cycle_time_s)| cycle_time_s)
+        };
+        let mut changed_s = cycle_time_s(&changes);
+        for index in (0..changes.len()).rev() {
+            let mut others = changes.clone();
+            others.remove(index);
+            let others_s = cycle_time_s(&others);
+            if others_s - changed_s < LEAST_S {
+                (changes, changed_s) = (others, others_s);
+            }
+        }
+        let version = self.with_all(times, &changes)?;
+        Some((changes, version))
+    }
+
     /// Returns the best change of each kind at each place, or only at marked motions, with the time
     /// that it saves, in s.
     fn best_changes(&self, motions: Option<&[bool]>) -> Vec<(Change, f64)> {
@@ -134,6 +162,11 @@ impl ChangeSearch<'_> {
             },
         );
         best.flatten().collect()
+    }
+
+    /// Returns true if the search has to end soon.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        self.settings.stop.load(Relaxed)
     }
 
     pub(crate) fn cycle_times(&self) -> CycleTimes<'_> {

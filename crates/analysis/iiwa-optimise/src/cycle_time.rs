@@ -5,8 +5,8 @@ use std::sync::{
     atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
 };
 
-use iiwa_kin::Robot;
-use iiwa_path::{JointPath, ReplacedSteps};
+use iiwa_kin::{Joints, Robot};
+use iiwa_path::{JointPath, ReplacedSteps, Step};
 use iiwa_plan::{PlanOptions, section_assumptions};
 use iiwa_program::{MotionIndex, Program};
 use iiwa_traj::{PlanError, Planner, Timing, TimingError, Trajectory};
@@ -68,6 +68,25 @@ impl<'a> CycleTimes<'a> {
     pub(crate) fn plan(&mut self, program: &Program) -> Result<Trajectory, PlanError> {
         let path = JointPath::on_other_robot(program, self.robot, self.options.path)?;
         Ok(Trajectory::by(self.planner(&path))?)
+    }
+
+    /// Returns the cycle time of a program, in s, and its last joint positions, in rad; `None` if
+    /// the robot cannot execute it.
+    pub(crate) fn end(&mut self, program: &Program) -> Option<(f64, Joints)> {
+        let trajectory = self.plan(program).ok()?;
+        let cycle_time_s = trajectory.cycle_time_s();
+        Some((cycle_time_s, trajectory.at(cycle_time_s).q))
+    }
+
+    /// Returns the last joint positions of a program, in rad, without planning its times; `None` if
+    /// it has no path.
+    pub(crate) fn last_rad(&self, program: &Program) -> Option<Joints> {
+        let path = JointPath::on_other_robot(program, self.robot, self.options.path).ok()?;
+        let last = path.steps().iter().rev().find_map(|step| match step {
+            Step::Move { segment, .. } => Some(segment.at(1.0).q),
+            _ => None,
+        });
+        Some(last.unwrap_or(*path.start_rad()))
     }
 
     /// Plans a whole program, as the one that changes refer to.

@@ -236,8 +236,7 @@ impl TaskParts<'_> {
     /// Joint positions at the end of a task, in rad, if it ends in a stop.
     fn end_of(&self, times: &mut CycleTimes<'_>, task: usize) -> Option<Joints> {
         let (program, _) = self.part(self.carrying(), &[task], 0..0);
-        let trajectory = times.plan(&program).ok()?;
-        Some(trajectory.at(trajectory.cycle_time_s()).q)
+        times.end(&program).map(|(_, end_rad)| end_rad)
     }
 
     /// Excludes those transitions of an order that the rule does not accept; returns false if it

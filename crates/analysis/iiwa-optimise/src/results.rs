@@ -34,6 +34,29 @@ pub struct AdviceRow {
     pub rests_on: Vec<&'static str>,
 }
 
+/// Lower bound of the cycle times of a program with other elbow angles (E1), without regard to
+/// obstacles. The groups of motions between point-to-point motions turn independently.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LowerBound {
+    /// The program is not faster than this with any E1, in s.
+    pub cycle_time_s: f64,
+    /// Step between the values of E1 for which that holds, in degrees.
+    pub step_deg: i16,
+}
+
+impl LowerBound {
+    /// Returns the bound of a result, in s; `None` if the bound is above it: if the search for the
+    /// bound had larger steps.
+    pub(crate) fn below(self, result_s: f64) -> Option<Self> {
+        /// The bound is a sum of parts: it is exact but for rounding.
+        const ROUNDING_S: f64 = 1e-6;
+
+        let cycle_time_s = self.cycle_time_s.min(result_s);
+        (self.cycle_time_s - cycle_time_s < ROUNDING_S).then_some(Self { cycle_time_s, ..self })
+    }
+}
+
 /// The fastest version of a program that a search has found: a local optimum.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -48,6 +71,11 @@ pub struct Optimum {
     pub changes: Vec<Change>,
     /// Number of plans that were compared.
     pub plans: u64,
+    /// Lower bound of the cycle time. It is known if only elbow angles may change, no wait overlaps
+    /// a motion, and the arm stops at the first and the last target of each group of motions that
+    /// turns. The first motion of a group has to be a point-to-point motion to a frame with E1 and
+    /// status, and those between groups point-to-point motions to joints that end in stops.
+    pub lower_bound: Option<LowerBound>,
     /// `false` if the budget ended the search before it had tried all changes again.
     pub is_complete: bool,
 }

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod advice;
+mod lower_bound;
 mod optimum;
 mod order;
 mod place;

@@ -1,5 +1,7 @@
 //! The fastest version of a program, as text and as JSON.
 
+use std::fmt::Write as _;
+
 use iiwa_optimise::Optimum;
 use iiwa_program::Program;
 use serde::Serialize;
@@ -23,10 +25,20 @@ pub struct OptimumReport {
     plans: u64,
     /// `false` if the budget ended the search.
     complete: bool,
+    /// Lower bound of the cycle time with another E1, if it is known.
+    lower_bound: Option<BoundEntry>,
     /// Changes, in the order of the motions.
     changes: Vec<ChangeEntry>,
     /// Differences between the plans before and after the changes.
     differences: DifferenceReport,
+}
+
+/// Lower bound of the cycle time.
+#[derive(Clone, Debug, Serialize)]
+struct BoundEntry {
+    cycle_time_s: f64,
+    /// Step between the values of E1.
+    e1_step_deg: i16,
 }
 
 impl OptimumReport {
@@ -46,6 +58,10 @@ impl OptimumReport {
             checked_for_collisions: is_checked,
             plans: optimum.plans,
             complete: optimum.is_complete,
+            lower_bound: optimum.lower_bound.map(|bound| BoundEntry {
+                cycle_time_s: rounded(bound.cycle_time_s, 9),
+                e1_step_deg: bound.step_deg,
+            }),
             changes: changes.collect(),
             differences,
         }
@@ -67,7 +83,16 @@ impl OptimumReport {
             }
             (false, _) => "the budget ended the search",
         };
-        let search = format!("{} plans compared; {end}.\n", self.plans);
+        let mut search = format!("{} plans compared; {end}.\n", self.plans);
+        if let Some(BoundEntry { cycle_time_s, e1_step_deg }) = self.lower_bound {
+            let gap = (100.0 * (1.0 - cycle_time_s / self.changed_cycle_time_s)).max(0.0);
+            let scene = if self.checked_for_collisions { ", without obstacles" } else { "" };
+            let _ = writeln!(
+                search,
+                "Lower bound for E1 in steps of {e1_step_deg} deg{scene}: {cycle_time_s:.3} s \
+                 ({gap:.1} % below the result)."
+            );
+        }
         if self.changes.is_empty() {
             let cycle_time_s = self.cycle_time_s;
             return format!("Cycle time {cycle_time_s:.3} s; nothing was changed. {search}");
