@@ -41,6 +41,33 @@ fn the_written_program_takes_as_long_as_stated() {
 }
 
 #[test]
+fn the_picture_shows_the_map() {
+    let folder = tempdir().unwrap();
+    let input = fixture("pick-and-place.json").display().to_string();
+    let grid = ["place", &input, "--x=-400:0", "--y=0:60", "--steps", "3", "--json"];
+    let report = figures(iiwasim(&folder, &[&grid[..], &["--picture", "map.svg"]].concat()));
+    let svg = fs::read_to_string(folder.path().join("map.svg")).unwrap();
+    let times = report["places"].as_array().unwrap().iter().map(|it| it["cycle_time_s"].as_f64());
+    let (in_reach, out_of_reach): (Vec<_>, Vec<_>) = times.partition(Option::is_some);
+    assert!(!in_reach.is_empty() && !out_of_reach.is_empty(), "{report}");
+    for time_s in in_reach.into_iter().flatten() {
+        assert!(svg.contains(&format!("{time_s:.3}")), "{time_s}");
+    }
+    for text in ["out of reach", "present place", "at z 0 mm, yaw 0 deg", "x in mm", "y in mm"] {
+        assert!(svg.contains(text), "{text}");
+    }
+
+    let refused = |options: &[&str], message: &str| {
+        iiwasim(&folder, &[&grid[..2], options].concat()).code(2).stderr(contains(message));
+    };
+    refused(&["--x=0", "--y=0", "--picture", "map.svg"], "a map needs several places");
+    refused(&["--picture", "map.bmp"], "as .svg, .png or .pdf");
+    fs::write(folder.path().join("mine.svg"), "{}").unwrap();
+    refused(&["--picture", "mine.svg"], "mine.svg");
+    assert_eq!(fs::read_to_string(folder.path().join("mine.svg")).unwrap(), "{}");
+}
+
+#[test]
 fn ranges_and_grids_are_checked() {
     let folder = tempdir().unwrap();
     let input = fixture("pick-and-place.json").display().to_string();

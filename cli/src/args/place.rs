@@ -1,5 +1,7 @@
 //! `iiwasim place`.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::{SearchInput, SearchOutput, values::number};
@@ -44,6 +46,10 @@ pub(crate) struct PlaceRobot {
     #[arg(long, value_name = "COUNT", default_value_t = 5,
         value_parser = clap::value_parser!(u8).range(2..=100))]
     pub(crate) steps: u8,
+
+    /// Draw the map as a picture, in colours from the slowest to the fastest place
+    #[arg(long, value_name = "FILE.svg|png|pdf")]
+    pub(crate) picture: Option<PathBuf>,
 
     #[command(flatten)]
     pub(crate) found: SearchOutput,

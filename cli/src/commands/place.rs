@@ -1,14 +1,32 @@
 //! `iiwasim place`.
 
 use iiwa_optimise::PlaceGrid;
-use iiwa_report::PlaceReport;
+use iiwa_report::{PlaceReport, draw_places};
 
-use crate::{args::PlaceRobot, failure::Failure, search::SearchedProgram};
+use crate::{
+    args::PlaceRobot, failure::Failure, output, output_kind::OutputKind, picture,
+    search::SearchedProgram,
+};
 
 /// Prints the cycle times with the robot at other places, and writes the program for the best one.
 pub(crate) fn run(options: &PlaceRobot) -> Result<(), Failure> {
-    options.found.check([("program", options.input.program.as_path())])?;
+    let read = ("program", options.input.program.as_path());
+    options.found.check([read])?;
     let grid = grid(options)?;
+    if let Some(picture) = &options.picture {
+        let kind = OutputKind::Picture(picture::format(picture)?);
+        let written =
+            options.found.output.as_deref().map(|path| ("program at the best place", path));
+        output::keep_others(kind, picture, [read].into_iter().chain(written), "--picture")?;
+        // A picture that cannot be written is an error before the search.
+        drop(picture::output(picture)?);
+        let [x, y, _] = &grid.shifts_m;
+        if x.len() * y.len() == 1 {
+            return Err(Failure::input(
+                "--picture: a map needs several places; give a range with --x or --y",
+            ));
+        }
+    }
     SearchedProgram::read(&options.input, |search| finish(options, &grid, &search))
 }
 
@@ -44,5 +62,9 @@ fn finish(
     let map = search.run(|| search.optimiser.place(program, grid))?;
     let report = PlaceReport::new(&map, grid, program.joint_targets());
     let best_s = map.best.and_then(|best| best.cycle_time_s).unwrap_or(map.cycle_time_s);
-    search.finish(&options.found, (&map.program, best_s), &report, PlaceReport::text)
+    search.finish(&options.found, (&map.program, best_s), &report, PlaceReport::text)?;
+    if let Some(file) = &options.picture {
+        output::write(file, &picture::content(file, draw_places(&report)?)?)?;
+    }
+    Ok(())
 }

@@ -5,12 +5,12 @@
 //! no files, and prints nothing.
 //!
 //! - [`PlanPicture`] draws a plan while it is computed, [`draw_comparison`] a recording beside its
-//!   plan.
+//!   plan, [`draw_places`] cycle times at robot base positions.
 //! - [`ExperimentKind`] lists the experiments, those of the thesis (Larsen 2019) and those of this
 //!   project, and writes the [`Chapter`] of each.
 //! - [`AdviceReport`], [`ComparisonReport`], [`DifferenceReport`], [`IdentificationReport`],
-//!   [`ImportReport`], [`OptimumReport`], [`plan_table`] and [`Summary`] format results as text and
-//!   tables.
+//!   [`ImportReport`], [`OptimumReport`], [`OrderReport`], [`PlaceReport`], [`plan_table`] and
+//!   [`Summary`] format results as text and tables.
 
 mod advice_report;
 mod causes;
@@ -61,7 +61,7 @@ pub use identification_report::IdentificationReport;
 pub use import_report::ImportReport;
 pub use optimum_report::OptimumReport;
 pub use order_report::OrderReport;
-pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison};
+pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison, draw_places};
 pub use place_report::PlaceReport;
 pub use plan_clearance::{add_clearances, carried};
 pub use plan_table::{assumption_lines, plan_table};

@@ -1,9 +1,10 @@
-//! Common parts of plan pictures and comparison pictures.
+//! Common parts of pictures.
 
 mod comparison;
 mod format;
 mod key;
 mod picture_error;
+mod place_map;
 mod plan;
 #[cfg(feature = "png-pdf")]
 mod rendered;
@@ -17,6 +18,7 @@ use plotters::{
 pub use comparison::draw as draw_comparison;
 pub use format::PictureFormat;
 pub use picture_error::PictureError;
+pub use place_map::draw as draw_places;
 pub use plan::PlanPicture;
 
 /// Colours for the colour-blind (Okabe and Ito), one per joint.
@@ -97,7 +99,7 @@ pub(crate) fn mesh<'a, 'b>(
     mesh
 }
 
-/// Returns the colour of a speed relative to its limit.
+/// Returns the colour of a speed relative to its limit: dark for slow, bright for fast.
 pub(crate) fn shade(share: f64) -> RGBColor {
     let mix = |from: RGBColor, to: RGBColor, share: f64| {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255")]

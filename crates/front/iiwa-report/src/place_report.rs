@@ -17,26 +17,27 @@ pub struct PlaceReport {
     /// Cycle time at the present place of the robot.
     cycle_time_s: f64,
     /// The fastest place that was found; none if no place saves a millisecond.
-    best: Option<PlaceRow>,
+    pub(crate) best: Option<PlaceRow>,
     /// Number of joint positions, which stay as they are, among the targets of all rounds.
     joint_targets: usize,
     /// Number of plans that were compared.
     plans: u64,
     /// Places on the grid: x changes fastest, then y, then z.
     places: Vec<PlaceRow>,
+    /// Values of x and of y, in mm.
     #[serde(skip)]
-    axes: [Vec<f64>; 2],
+    pub(crate) axes_mm: [Vec<f64>; 2],
 }
 
 /// A place of the robot, from its present place, and the cycle time there.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct PlaceRow {
-    x_mm: f64,
-    y_mm: f64,
-    z_mm: f64,
-    yaw_deg: f64,
+pub(crate) struct PlaceRow {
+    pub(crate) x_mm: f64,
+    pub(crate) y_mm: f64,
+    pub(crate) z_mm: f64,
+    pub(crate) yaw_deg: f64,
     /// None if the robot cannot execute the program there.
-    cycle_time_s: Option<f64>,
+    pub(crate) cycle_time_s: Option<f64>,
 }
 
 impl PlaceRow {
@@ -60,7 +61,7 @@ impl PlaceReport {
             joint_targets,
             plans: map.plans,
             places: map.places.iter().map(PlaceRow::new).collect(),
-            axes: [x, y].map(|axis| axis.iter().map(|value| rounded(1e3 * value, 6)).collect()),
+            axes_mm: [x, y].map(|axis| axis.iter().map(|value| rounded(1e3 * value, 6)).collect()),
         }
     }
 
@@ -70,7 +71,7 @@ impl PlaceReport {
         let Self { cycle_time_s, places, best, plans, .. } = self;
         let mut text = String::new();
         if let Some(layer) = self.layer() {
-            let [x, y] = &self.axes;
+            let [x, y] = &self.axes_mm;
             let (z_mm, yaw_deg) = (layer[0].z_mm, layer[0].yaw_deg);
             let _ = writeln!(
                 text,
@@ -138,15 +139,18 @@ impl PlaceReport {
         })
     }
 
-    /// Places with the z and the yaw of the fastest place on the grid, if they differ in x or y.
-    fn layer(&self) -> Option<&[PlaceRow]> {
-        let per_layer = self.axes[0].len() * self.axes[1].len();
+    /// Places with the z and the yaw of the fastest place on the grid, if they differ in x or y. Of
+    /// several layers that are as fast, apart from rounding, it is the first one, as in the search.
+    pub(crate) fn layer(&self) -> Option<&[PlaceRow]> {
+        const EQUAL_S: f64 = 1e-6;
+
+        let per_layer = self.axes_mm[0].len() * self.axes_mm[1].len();
         let timed = |layer: &&[PlaceRow]| {
             let times = layer.iter().filter_map(|place| place.cycle_time_s);
             times.fold(f64::INFINITY, f64::min)
         };
-        let layers = self.places.chunks(per_layer.max(1));
-        let fastest = layers.min_by(|a, b| timed(a).total_cmp(&timed(b)));
-        fastest.filter(|_| per_layer > 1)
+        let mut layers = self.places.chunks(per_layer.max(1));
+        let least_s = layers.clone().map(|layer| timed(&layer)).fold(f64::INFINITY, f64::min);
+        layers.find(|layer| timed(layer) <= least_s + EQUAL_S).filter(|_| per_layer > 1)
     }
 }
