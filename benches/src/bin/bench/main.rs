@@ -7,6 +7,7 @@ mod batch;
 mod cartesian;
 mod import;
 mod no_arguments;
+mod optimise;
 #[cfg(feature = "peers")]
 mod realtime;
 mod recording;
@@ -26,6 +27,7 @@ const BENCHES: &[(&str, Bench)] = &[
     ("batch", batch::run),
     ("cartesian", cartesian::run),
     ("import", import::run),
+    ("optimise", optimise::run),
     #[cfg(feature = "peers")]
     ("realtime", realtime::run),
     ("recording", recording::run),
