@@ -149,6 +149,7 @@ class Program:
         mode: str | None = None,
         limit_torque_percent: float | None = None,
         override_percent: float | None = None,
+        tasks: Iterable[Mapping[str, Any]] | None = None,
     ) -> Self: ...
     @staticmethod
     def from_json(text: str) -> Program: ...

@@ -134,7 +134,7 @@ impl Program {
     #[pyo3(signature = (
         motions, *, start_deg = None, start_rad = None, start_frame = None, robot = None,
         tools = None, bases = None, frames = None, tool = None, base = None, mount = None,
-        mode = None, limit_torque_percent = None, override_percent = None
+        mode = None, limit_torque_percent = None, override_percent = None, tasks = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
     fn new<'py>(
@@ -153,6 +153,7 @@ impl Program {
         mode: Option<String>,
         limit_torque_percent: Option<f64>,
         override_percent: Option<f64>,
+        tasks: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let start = PyDict::new(py);
         for (name, key, given) in
@@ -203,8 +204,12 @@ impl Program {
                 program.set_item(key, percent)?;
             }
         }
-        let motions = py.import("builtins")?.call_method1("list", (motions,))?;
-        program.set_item("motions", motions)?;
+        for (key, entries) in [("tasks", tasks), ("motions", Some(motions))] {
+            if let Some(entries) = entries {
+                let list = py.import("builtins")?.call_method1("list", (entries,))?;
+                program.set_item(key, list)?;
+            }
+        }
         Self::read(py, &json_of_program(py, &program)?, model, TextOrigin::Arguments)
     }
 

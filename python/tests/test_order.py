@@ -31,6 +31,21 @@ def test_the_program_in_the_fastest_order_takes_as_long_as_stated() -> None:
     assert "8 tasks" in repr(order)
 
 
+def test_tasks_of_a_program_are_given_as_dicts() -> None:
+    turns = {"left": 60, "right": -40, "left again": 55}
+    motions = [iw.ptp(deg=[turn, 30, 0, -60, 0, 90, 0], group=name) for name, turn in turns.items()]
+    motions.append(iw.ptp(deg=[-60, 30, 0, -60, 0, 90, 0]))
+    start_deg = [0, 30, 0, -60, 0, 90, 0]
+    tasks: list[dict[str, object]] = [{"group": name} for name in turns]
+    order = iw.order(iw.Program(motions, start_deg=start_deg, tasks=tasks))
+    assert order.tasks == ["left", "left again", "right"]
+    tasks[2]["after"] = ["right"]
+    order = iw.order(iw.Program(motions, start_deg=start_deg, tasks=tasks))
+    assert order.tasks.index("right") < order.tasks.index("left again")
+    with pytest.raises(iw.ProgramError, match="middle"):
+        iw.Program(motions, start_deg=start_deg, tasks=[{"group": "middle"}])
+
+
 def test_the_order_keeps_clearances() -> None:
     post = {"type": "box", "name": "post", "size_mm": [40, 40, 170], "center_mm": [550, 0, 175]}
     scene = iw.Scene.from_json(json.dumps({"version": 1, "obstacles": [post]}))
