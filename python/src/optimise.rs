@@ -106,7 +106,7 @@ impl Optimum {
         self.lower_bound_s
     }
 
-    /// False if the budget ended the search.
+    /// False if the budget ended the rounds of changes.
     ///
     /// >>> import iiwasim as iw
     /// >>> motions = [iw.ptp(deg=[30] + [0] * 6), iw.ptp(deg=[30, 20] + [0] * 5)]
@@ -139,7 +139,9 @@ impl Optimum {
 /// With a `scene`, each motion keeps `min_clearance_mm` from the obstacles, and the arm from
 /// itself; for a motion that has less in the unchanged program, that distance is the limit. Without
 /// a scene, nothing is checked for collisions. After `budget` plans, no further round of changes
-/// begins. `progress(plans)` is called from time to time; Ctrl-C interrupts the search.
+/// begins; plans before the first round, which turn elbow angles of several groups of motions
+/// together, do not count. `progress(plans)` is called from time to time; Ctrl-C interrupts the
+/// search.
 ///
 /// >>> import iiwasim as iw
 /// >>> program = iw.Program.load('fixtures/pick-and-place.json')

@@ -15,6 +15,9 @@ use super::SearchOptions;
 /// except those of waits; elbow angles of neighbouring motions are first tried together, in steps
 /// of 30 deg. Changes of several rounds add up: E1 may change by more than 90 deg.
 ///
+/// With `e1` alone, and if the arm stops around each group of motions that turns, all E1 in steps
+/// of 1 deg are compared together, and a lower bound of the cycle time is printed.
+///
 /// With `e1`, lines, circles and splines keep their TCP paths and programmed speeds. The elbow
 /// moves elsewhere, and point-to-point motions take other paths. With `blends`, the TCP passes
 /// targets within the radius and does not reach them. Targets, speeds of TCP paths, waits, inputs,
@@ -43,8 +46,8 @@ pub(crate) struct Optimise {
     )]
     pub(crate) free: Vec<FreeKind>,
 
-    /// Number of plans after which no further round of changes begins; before these rounds, the
-    /// search for elbow angles may plan five times as many groups of motions and ways between them
+    /// Number of plans after which no further round of changes begins. Plans before the first
+    /// round, which turn elbow angles of several groups of motions together, do not count
     #[arg(long, value_name = "PLANS", default_value_t = 50_000)]
     pub(crate) budget: u64,
 

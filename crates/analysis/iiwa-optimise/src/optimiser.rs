@@ -61,8 +61,9 @@ impl Optimiser {
     }
 
     /// Sets the number of plans after which [`optimise`](Self::optimise) begins no further round of
-    /// changes. Before these rounds, it may plan five times as many groups of motions and ways
-    /// between them to find elbow angles. The result does not depend on the speed of the machine.
+    /// changes. The plans before these rounds, which turn elbow angles of several groups of motions
+    /// together, do not count; of groups and ways between them, at most five times as many are
+    /// planned. The result does not depend on the speed of the machine.
     #[must_use]
     pub fn with_budget(self, plans: u64) -> Self {
         Self { budget: plans, ..self }
@@ -229,9 +230,8 @@ impl Optimiser {
         let Some(FastestElbows { turned, lower_bound, is_proven }) = ladder else {
             return (elbows_together(search, times), None);
         };
-        // The ladder knows no rule.
-        let turned = turned.filter(|_| search.rule.is_none());
-        if is_proven && search.rule.is_none() {
+        // The ladder knows no rule: it may reject the fastest turns.
+        if is_proven && (search.rule.is_none() || turned.is_some()) {
             return (turned, Some(lower_bound));
         }
         let others = [turned, elbows_together(search, times)].into_iter().flatten();

@@ -39,7 +39,7 @@ pub struct AdviceRow {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LowerBound {
-    /// The program is not faster than this with any E1, in s.
+    /// The program is not faster than this with any E1 in these steps, in s.
     pub cycle_time_s: f64,
     /// Step between the values of E1 for which that holds, in degrees.
     pub step_deg: i16,
@@ -57,7 +57,8 @@ impl LowerBound {
     }
 }
 
-/// The fastest version of a program that a search has found: a local optimum.
+/// The fastest version of a program that a search has found. Unless a lower bound shows that it is
+/// the fastest one, it is a local optimum.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Optimum {
@@ -74,7 +75,8 @@ pub struct Optimum {
     /// Lower bound of the cycle time. It is known if only elbow angles may change, no wait overlaps
     /// a motion, and the arm stops at the first and the last target of each group of motions that
     /// turns. The first motion of a group has to be a point-to-point motion to a frame with E1 and
-    /// status, and those between groups point-to-point motions to joints that end in stops.
+    /// status, those between groups point-to-point motions to joints that end in stops, and the
+    /// budget has to suffice for all E1 of each group.
     pub lower_bound: Option<LowerBound>,
     /// `false` if the budget ended the search before it had tried all changes again.
     pub is_complete: bool,

@@ -79,11 +79,14 @@ impl<'a> Stages<'a> {
 
     /// Returns the whole degrees by which E1 at the first target of a group can change.
     pub(crate) fn range_deg(&self, stage: usize, robot: &Robot) -> RangeInclusive<i16> {
+        const ROUNDING_DEG: f64 = 1e-9;
+
         let e1_deg = self.groups[stage].e1_rad.to_degrees();
         let [low, high] = robot.limits().range_rad(Joint::A3).map(f64::to_degrees);
         #[expect(clippy::cast_possible_truncation, reason = "angles of joints are below 360 deg")]
         let whole = |deg: f64| deg as i16;
-        whole((low - e1_deg).ceil())..=whole((high - e1_deg).floor())
+        // No turn is within the range, also at its ends.
+        whole((low - e1_deg - ROUNDING_DEG).ceil())..=whole((high - e1_deg + ROUNDING_DEG).floor())
     }
 
     /// Returns a group with another E1; `None` if the robot cannot execute it.
