@@ -26,6 +26,7 @@ type PlaceNumbers = (f64, f64, f64, f64);
 pub(crate) struct PlaceMap {
     program: Py<Program>,
     cycle_time_s: f64,
+    changed_cycle_time_s: f64,
     best: Option<TimedPlace>,
     places: Vec<TimedPlace>,
     plans: u64,
@@ -65,7 +66,7 @@ impl PlaceMap {
     /// True
     #[getter]
     fn changed_cycle_time_s(&self) -> f64 {
-        self.best.and_then(|best| best.cycle_time_s).unwrap_or(self.cycle_time_s)
+        self.changed_cycle_time_s
     }
 
     /// The best place: shifts along x, y and z in mm, rotation about z in degrees. None if no place
@@ -116,7 +117,7 @@ impl PlaceMap {
     }
 
     fn __repr__(&self) -> String {
-        let (before_s, after_s) = (self.cycle_time_s, self.changed_cycle_time_s());
+        let (before_s, after_s) = (self.cycle_time_s, self.changed_cycle_time_s);
         let count = self.places.len();
         let s = if count == 1 { "" } else { "s" };
         format!("<iiwasim.PlaceMap {before_s:.3} -> {after_s:.3} s, {count} place{s}>")
@@ -151,11 +152,7 @@ impl RangeArgument {
                  needed"
             )));
         }
-        if from == to {
-            return Ok(vec![from * unit]);
-        }
-        let share = |step: usize| step as f64 / (steps - 1) as f64;
-        Ok((0..steps).map(|step| (from + share(step) * (to - from)) * unit).collect())
+        Ok(PlaceGrid::axis([from, to], steps).into_iter().map(|value| value * unit).collect())
     }
 }
 
@@ -193,8 +190,7 @@ pub(crate) fn place(
     timing: &str,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<PlaceMap> {
-    /// As many as in the command.
-    const MOST: usize = 50_000;
+    const MOST: usize = PlaceGrid::MOST_PLACES;
 
     if !(2..=100).contains(&steps) {
         return Err(PyValueError::new_err(format!("steps is {steps}; 2 to 100 are possible")));
@@ -225,11 +221,13 @@ pub(crate) fn place(
         Ok(optimiser.place(&planned.program, &grid)?)
     };
     let (found, planned) = search(py, given, robot, timing, progress, work)?;
+    let changed_cycle_time_s = found.changed_cycle_time_s();
     let program = Arc::new(found.program);
     let program = Program::planned(&given.source, &program, planned.robot(), given.origin);
     Ok(PlaceMap {
         program: Py::new(py, program)?,
         cycle_time_s: found.cycle_time_s,
+        changed_cycle_time_s,
         best: found.best,
         places: found.places,
         plans: found.plans,

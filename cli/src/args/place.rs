@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use iiwa_optimise::PlaceGrid;
 
 use super::{SearchInput, SearchOutput, values::number};
 
@@ -62,12 +63,7 @@ pub(crate) struct AxisRange([f64; 2]);
 impl AxisRange {
     /// Returns `steps` values along the range, multiplied by `unit`.
     pub(crate) fn values(self, steps: u8, unit: f64) -> Vec<f64> {
-        let Self([from, to]) = self;
-        if from == to {
-            return vec![from * unit];
-        }
-        let share = |step: u8| f64::from(step) / f64::from(steps - 1);
-        (0..steps).map(|step| (from + share(step) * (to - from)) * unit).collect()
+        PlaceGrid::axis(self.0, steps.into()).into_iter().map(|value| value * unit).collect()
     }
 }
 

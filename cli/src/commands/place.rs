@@ -32,8 +32,7 @@ pub(crate) fn run(options: &PlaceRobot) -> Result<(), Failure> {
 
 /// Returns the grid of the options.
 fn grid(options: &PlaceRobot) -> Result<PlaceGrid, Failure> {
-    /// An hour for programs that take a tenth of a second to plan.
-    const MOST: usize = 50_000;
+    const MOST: usize = PlaceGrid::MOST_PLACES;
 
     let PlaceRobot { x, y, z, yaw, steps, .. } = options;
     let shifts_m = [x, y, z].map(|range| range.values(*steps, 1e-3));
@@ -61,8 +60,8 @@ fn finish(
     }
     let map = search.run(|| search.optimiser.place(program, grid))?;
     let report = PlaceReport::new(&map, grid, program.joint_targets());
-    let best_s = map.best.and_then(|best| best.cycle_time_s).unwrap_or(map.cycle_time_s);
-    search.finish(&options.found, (&map.program, best_s), &report, PlaceReport::text)?;
+    let found = (&map.program, map.changed_cycle_time_s());
+    search.finish(&options.found, found, &report, PlaceReport::text)?;
     if let Some(file) = &options.picture {
         output::write(file, &picture::content(file, draw_places(&report)?)?)?;
     }

@@ -48,6 +48,21 @@ pub struct PlaceGrid {
 }
 
 impl PlaceGrid {
+    /// Largest number of places that the command and the Python package try: an hour for programs
+    /// that take a tenth of a second to plan.
+    pub const MOST_PLACES: usize = 50_000;
+
+    /// Returns `steps` values at equal distances over a range, or the single value of a range of
+    /// one.
+    #[must_use]
+    pub fn axis([from, to]: [f64; 2], steps: usize) -> Vec<f64> {
+        if from == to {
+            return vec![from];
+        }
+        let share = |step: usize| step as f64 / (steps.max(2) - 1) as f64;
+        (0..steps).map(|step| from + share(step) * (to - from)).collect()
+    }
+
     /// Number of places.
     #[must_use]
     pub fn count(&self) -> usize {
@@ -110,6 +125,14 @@ pub struct PlaceMap {
     pub program: Program,
     /// Number of plans that were compared.
     pub plans: u64,
+}
+
+impl PlaceMap {
+    /// Cycle time of [`program`](Self::program), in s.
+    #[must_use]
+    pub fn changed_cycle_time_s(&self) -> f64 {
+        self.best.and_then(|best| best.cycle_time_s).unwrap_or(self.cycle_time_s)
+    }
 }
 
 /// Number of times that the steps of the grid are halved about the best place.
