@@ -43,6 +43,7 @@ mod gap_bound;
 mod ladder;
 mod optimiser;
 mod order;
+mod part;
 mod place;
 mod results;
 mod search_settings;

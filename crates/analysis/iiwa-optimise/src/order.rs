@@ -7,12 +7,13 @@ use std::{
 };
 
 use iiwa_kin::Joints;
-use iiwa_program::{Fault, Motion, Program, Sources, Start, TaskFault, TaskMotions};
+use iiwa_program::{Fault, Motion, Program, Start, TaskFault, TaskMotions};
 use iiwa_traj::{PlanError, Trajectory};
 use rayon::prelude::*;
 
 use crate::{
-    change_search::LEAST_S, cycle_time::CycleTimes, optimiser::Optimiser, sequence::SequenceTimes,
+    change_search::LEAST_S, cycle_time::CycleTimes, optimiser::Optimiser, part::part,
+    sequence::SequenceTimes,
 };
 
 /// Rule for a program that has entries of another program, in another order. Its arguments are the
@@ -211,13 +212,8 @@ impl TaskParts<'_> {
     ) -> (Program, Vec<usize>) {
         let tasks = tasks.iter().flat_map(|task| self.tasks[*task].entries.clone());
         let origins: Vec<usize> = start.chain(tasks).chain(end).collect();
-        let program = Program {
-            robot: self.program.robot.clone(),
-            start: self.program.start.clone(),
-            motions: origins.iter().map(|index| self.program.motions[*index].clone()).collect(),
-            workcell: self.program.workcell.clone(),
-            sources: Sources::default(),
-        };
+        let motions = origins.iter().map(|index| self.program.motions[*index].clone()).collect();
+        let program = part(self.program, self.program.start.clone(), motions);
         (program, origins)
     }
 

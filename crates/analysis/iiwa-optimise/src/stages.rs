@@ -8,10 +8,10 @@
 use std::ops::{Range, RangeInclusive};
 
 use iiwa_kin::{Joint, Joints, Robot};
-use iiwa_program::{Motion, Program, Sources, Start};
+use iiwa_program::{Motion, Program, Start};
 use iiwa_traj::Trajectory;
 
-use crate::{change::Change, cycle_time::CycleTimes, elbows::ElbowGroup};
+use crate::{change::Change, cycle_time::CycleTimes, elbows::ElbowGroup, part::part};
 
 /// The groups of a program as stages, with gaps before, between and after them.
 pub(crate) struct Stages<'a> {
@@ -45,7 +45,7 @@ impl<'a> Stages<'a> {
     pub(crate) fn new(program: &'a Program) -> Option<Self> {
         let groups = ElbowGroup::all(program).into_iter().map(|(group, e1_rad)| {
             let motions = &program.motions[entries(group)];
-            let alone = part(program, program.start.clone(), 0, motions.to_vec());
+            let alone = part(program, program.start.clone(), motions.to_vec());
             StageGroup { group, e1_rad, alone }
         });
         let stages = Self { program, groups: groups.collect() };
@@ -101,14 +101,14 @@ impl<'a> Stages<'a> {
         let mut motions = turn.apply(alone)?.motions.into_iter();
         let first = motions.next()?;
         // Its target does not depend on the start, which the arm may never leave for it.
-        let to_first = part(self.program, self.program.start.clone(), 0, vec![first.clone()]);
+        let to_first = part(self.program, self.program.start.clone(), vec![first.clone()]);
         let first_rad = times.last_rad(&to_first)?;
         let rest: Vec<Motion> = motions.collect();
         let (within_s, last_rad) = if rest.is_empty() {
             (0.0, first_rad)
         } else {
             let after_first = group.first().index() + 1;
-            times.end(&part(self.program, first_rad.into(), after_first, rest))?
+            times.end(&part_at(self.program, first_rad.into(), after_first, rest))?
         };
         Some(TurnedGroup { by_deg, first, within_s, ends_rad: [first_rad, last_rad] })
     }
@@ -125,7 +125,7 @@ impl<'a> Stages<'a> {
         let start = before.map_or_else(|| self.program.start.clone(), |it| it.ends_rad[1].into());
         let entries = self.gap(gap).iter().chain(after.map(|after| &after.first));
         let first = self.gap_entries(gap).start;
-        times.plan(&part(self.program, start, first, entries.cloned().collect())).ok()
+        times.plan(&part_at(self.program, start, first, entries.cloned().collect())).ok()
     }
 
     /// Entries of a gap.
@@ -146,14 +146,8 @@ fn entries(group: ElbowGroup) -> Range<usize> {
 }
 
 /// Returns a program of some entries of `program`, with the payload before its entry at `index`.
-fn part(program: &Program, start: Start, index: usize, entries: Vec<Motion>) -> Program {
+fn part_at(program: &Program, start: Start, index: usize, entries: Vec<Motion>) -> Program {
     let is_load = |entry: &&Motion| matches!(entry, Motion::Load(_));
     let load = program.motions[..index].iter().rev().find(is_load);
-    Program {
-        robot: program.robot.clone(),
-        start,
-        motions: load.cloned().into_iter().chain(entries).collect(),
-        workcell: program.workcell.clone(),
-        sources: Sources::default(),
-    }
+    part(program, start, load.cloned().into_iter().chain(entries).collect())
 }
