@@ -156,6 +156,43 @@ proptest! {
     }
 }
 
+/// A random case in which projections onto both solids do not converge at a distance of 11 um, just
+/// before the arm touches the obstacle.
+#[test]
+fn the_contact_is_where_solids_touch() {
+    let start_rad = [
+        -1.187472588273584,
+        0.8255218459075375,
+        -0.9708108497965658,
+        -1.0899822907512182,
+        0.20475333499269233,
+        -0.4185320672339247,
+        0.0,
+    ];
+    let target_rad = [
+        -1.3527494767087855,
+        1.0595810618991721,
+        -1.0920666582283487,
+        -1.1257235255516669,
+        0.47528050624948737,
+        -0.5558863098536614,
+        0.0,
+    ];
+    let ptp = Ptp { acceleration_rel: [0.697157925205918; 7], ..Ptp::to(target_rad) };
+    let program = Program {
+        robot: None,
+        start: Start::Joints(start_rad),
+        motions: vec![Motion::Wait { seconds: 1.7395501721703257, overlap: 0 }, Motion::Ptp(ptp)],
+        workcell: Workcell::default(),
+        sources: Sources::default(),
+    };
+    let scene = crate::common::scene(&mut fastrand::Rng::with_seed(1907019608846403796), 3);
+    let arm = ArmInScene::new(&Robot::default(), &scene);
+    let trajectory = plan(&program, PathOptions::default(), acceleration());
+    check(&arm, &trajectory, 2000);
+    assert!(arm.clearance_of(&trajectory).unwrap().clearance.distance_m == 0.0);
+}
+
 #[test]
 fn ten_motions_in_the_cage() {
     let read = |name| std::fs::read_to_string(fixture(name)).unwrap();
