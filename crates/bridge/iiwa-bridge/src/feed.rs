@@ -1,9 +1,11 @@
-//! Observation of a robot: its stream in one thread, polled data in another.
+//! Observation of a robot: its stream is read in one thread and forwarded in a second one, polled
+//! data in a third one.
 
 use std::{
     sync::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
+        mpsc::{SyncSender, sync_channel},
     },
     time::{Duration, Instant},
 };
@@ -26,6 +28,10 @@ use crate::{
 
 /// Time-out of the stream, after which the shutdown flag is checked.
 const POLL: Duration = Duration::from_millis(100);
+
+/// Messages that were read and not forwarded yet, at most: those of ten seconds at 1 ms. A drive
+/// keeps those of two seconds, and a busy disk may stall the spools of sinks for longer.
+const MOST_WAITING: usize = 10_000;
 
 /// Poll interval of the drive state, and of the sensors, inputs and outputs of an idle robot.
 const ASK_EVERY: Duration = Duration::from_secs(1);
@@ -62,8 +68,14 @@ impl Feed {
         let numbered = Arc::new(Numbered::new(robot.name(), session, sinks));
         let (stream, client) = (robot.stream()?, robot.client()?);
         let mut threads = ThreadGroup::default();
+        let (read, waiting) = sync_channel(MOST_WAITING);
+        let name = robot.name().to_owned();
+        threads.spawn("bridge stream", move |shutdown| follow(stream, &name, &read, shutdown))?;
         let to = Arc::clone(&numbered);
-        threads.spawn("bridge stream", move |shutdown| follow(stream, &to, shutdown))?;
+        // It ends when the thread that reads has ended, and all is forwarded.
+        threads.spawn("bridge sinks", move |_| {
+            waiting.into_iter().for_each(|(at, content)| to.send_at(at, content));
+        })?;
         let to = Arc::clone(&numbered);
         threads.spawn("bridge poll", move |shutdown| poll(client, &to, shutdown))?;
         Ok(Self { numbered, _threads: threads })
@@ -92,6 +104,11 @@ impl Numbered {
 
     /// Forwards content to all sinks.
     fn send(&self, content: Content) {
+        self.send_at(Timestamp::now(), content);
+    }
+
+    /// Forwards content that was received at this time to all sinks.
+    fn send_at(&self, at: Timestamp, content: Content) {
         let mut next =
             self.next[content.kind().index()].lock().unwrap_or_else(PoisonError::into_inner);
         let seq = *next;
@@ -101,7 +118,7 @@ impl Numbered {
             robot: self.robot.clone(),
             session: self.session,
             seq,
-            at: Timestamp::now(),
+            at,
             content,
         };
         for sink in self.sinks.iter() {
@@ -110,8 +127,15 @@ impl Numbered {
     }
 }
 
-/// Forwards the stream.
-fn follow(mut stream: Stream, to: &Numbered, shutdown: &AtomicBool) {
+/// Reads the stream of the robot of this name.
+fn follow(
+    mut stream: Stream,
+    robot: &str,
+    read: &SyncSender<(Timestamp, Content)>,
+    shutdown: &AtomicBool,
+) {
+    // The other side ends after this one.
+    let forward = |content| drop(read.send((Timestamp::now(), content)));
     // Torques precede the positions of the same time.
     let mut torques = None;
     let mut refused = Trouble::default();
@@ -122,18 +146,18 @@ fn follow(mut stream: Stream, to: &Numbered, shutdown: &AtomicBool) {
             }
             Ok(Some(Published::Joints { t_s, joints_rad })) => {
                 let torques = torques.take().filter(|(at_s, ..)| *at_s == t_s);
-                to.send(Content::Joints(CycleSample {
+                forward(Content::Joints(CycleSample {
                     t_s,
                     joints_rad,
                     measured_nm: torques.map(|(_, measured_nm, _)| measured_nm),
                     external_nm: torques.map(|(.., external_nm)| external_nm),
                 }));
             }
-            Ok(Some(Published::State { t_s, state })) => to.send(Content::State { t_s, state }),
-            Ok(Some(Published::Run(event))) => to.send(Content::Run((*event).into())),
+            Ok(Some(Published::State { t_s, state })) => forward(Content::State { t_s, state }),
+            Ok(Some(Published::Run(event))) => forward(Content::Run((*event).into())),
             Ok(_) => {}
             Err(error) => {
-                refused.warn(format_args!("{}: {error}", to.robot));
+                refused.warn(format_args!("{robot}: {error}"));
                 pause(REFUSED_PAUSE, shutdown);
             }
         }
