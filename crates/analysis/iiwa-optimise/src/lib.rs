@@ -36,7 +36,7 @@ mod blends;
 mod change;
 mod change_search;
 mod cycle_time;
-mod elbow_chain;
+mod elbow_runs;
 mod elbows;
 mod freedom;
 mod gap_bound;

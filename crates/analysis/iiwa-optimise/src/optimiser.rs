@@ -17,7 +17,7 @@ use crate::{
     change::Change,
     change_search::{ChangeSearch, Rule},
     cycle_time::{CycleTimes, Version},
-    elbow_chain::elbows_together,
+    elbow_runs::elbows_together,
     freedom::Freedom,
     ladder::{FastestElbows, fastest_elbows},
     results::{Advice, LowerBound, Optimum},
