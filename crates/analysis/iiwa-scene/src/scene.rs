@@ -17,9 +17,9 @@ use crate::{
 /// with directions as unit vectors and rotations as matrices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    obstacles: Vec<Obstacle>,
-    tool: Vec<ToolShape>,
-    ignored: Vec<IgnoredPair>,
+    pub(crate) obstacles: Vec<Obstacle>,
+    pub(crate) tool: Vec<ToolShape>,
+    pub(crate) ignored: Vec<IgnoredPair>,
 }
 
 /// Obstacle that the robot must not touch.

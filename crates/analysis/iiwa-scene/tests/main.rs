@@ -6,6 +6,7 @@ mod collada;
 mod common;
 mod documents;
 mod mesh;
+mod moved;
 mod mutations;
 mod obstacles;
 mod planned;

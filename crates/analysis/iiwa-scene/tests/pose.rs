@@ -19,7 +19,7 @@ fn length(a: &Point) -> f64 {
 }
 
 /// Transforms `p` from a frame to the base frame.
-fn to_base(pose: &Pose, p: &Point) -> Point {
+pub(crate) fn to_base(pose: &Pose, p: &Point) -> Point {
     std::array::from_fn(|i| pose.position_m[i] + dot(&pose.rotation[i], p))
 }
 
@@ -35,7 +35,7 @@ fn turned([roll, pitch, yaw]: Point, [x, y, z]: Point) -> Point {
 }
 
 /// Returns a function of the exact distance of a point from an obstacle, 0 inside.
-fn distance(form: &Form) -> Box<dyn Fn(&Point) -> f64> {
+pub(crate) fn distance(form: &Form) -> Box<dyn Fn(&Point) -> f64> {
     match *form {
         Form::Plane { point_m, normal } => {
             let normal = normal.map(|n| n / length(&normal));
