@@ -109,7 +109,7 @@ impl SceneOfSearch {
     pub(crate) fn clearances<'a>(
         &self,
         arm: &'a ArmInScene,
-        planned: &Planned,
+        planned: &'a Planned,
     ) -> Result<AllowedClearances<'a>, SearchFailure> {
         AllowedClearances::new(arm, &planned.trajectory, self.min_m).map_err(|contact| {
             SearchFailure::Unsuitable(format!(

@@ -11,7 +11,7 @@ use crate::{
     arm_meshes::ArmMeshes,
     carried::{BodiesOfMotion, CarriedBodies},
     distance::{Near, near, near_convex, to_surface_part},
-    links::{FIRST_LINK, may_touch},
+    links::{FIRST_LINK, IgnoredPair, may_touch},
     placed::Placed,
     placed_box::PlacedBox,
     placed_mesh::SurfacePart,
@@ -141,20 +141,39 @@ impl ArmInScene {
         Self { carried: Arc::new(carried.clone()), body_parts, ..arm }
     }
 
-    fn of_parts(robot: &Robot, scene: &Scene, parts: Vec<ArmPart>) -> Self {
-        let obstacles: Arc<[Placed]> =
-            scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect();
-        let ignored: HashSet<(usize, usize)> =
-            scene.ignored().iter().map(|it| (it.link, it.obstacle)).collect();
-        let counts = parts.iter().flat_map(|part| {
-            let is_self_pair = |o: usize| {
-                part.shown >= FIRST_LINK
-                    && !ignored.contains(&(part.shown, o))
-                    && !is_constant(robot, part, &obstacles[o])
-            };
-            (0..obstacles.len()).map(is_self_pair).collect::<Vec<_>>()
+    /// Returns the arm with its tool and the shapes that it carries, among the obstacles of another
+    /// scene.
+    pub(crate) fn among_obstacles_of(&self, scene: Scene) -> Self {
+        let (obstacles, counts) = placed(&self.robot, &scene, &self.parts);
+        Self { scene: Arc::new(scene), obstacles, counts, ..self.clone() }
+    }
+
+    /// Returns the arm without the distances from obstacles of those pairs that `is_checked`
+    /// excludes.
+    pub(crate) fn checking(&self, is_checked: impl Fn(IgnoredPair) -> bool) -> Self {
+        let obstacles = self.obstacles.len();
+        let counts = self.counts.iter().enumerate().map(|(index, counts)| {
+            let (part, obstacle) = (index / obstacles, index % obstacles);
+            *counts && is_checked(IgnoredPair { link: self.parts[part].shown, obstacle })
         });
-        let counts = counts.collect();
+        Self { counts: counts.collect(), ..self.clone() }
+    }
+
+    /// Returns the distance of links 0 and 1 from each obstacle, in m. It is the same at all joint
+    /// positions, and no other clearance includes it.
+    pub(crate) fn base_clearances_m(&self) -> Vec<f64> {
+        let poses = self.robot.link_poses(&[0.0; 7]);
+        let parts = self.parts.iter().filter(|part| part.shown < FIRST_LINK);
+        let base: Vec<_> = parts.map(|part| part.at(&poses[part.link])).collect();
+        let distance_m = |obstacle: &Placed| {
+            let distances = base.iter().filter_map(|part| near(part, obstacle, f64::MAX));
+            distances.map(|near| near.distance).fold(f64::INFINITY, f64::min)
+        };
+        self.obstacles.iter().map(distance_m).collect()
+    }
+
+    fn of_parts(robot: &Robot, scene: &Scene, parts: Vec<ArmPart>) -> Self {
+        let (obstacles, counts) = placed(robot, scene, &parts);
         let may_touch = |part: usize, other: usize| {
             may_touch(parts[part].shown, parts[other].shown)
                 && !is_rigid(robot, &parts[part], &parts[other])
@@ -407,6 +426,24 @@ impl ArmInScene {
             on_other_m: near.on_other.into(),
         }
     }
+}
+
+/// Returns the obstacles of a scene, and for all pairs of a part and an obstacle, part by part,
+/// `true` if the pair is checked.
+fn placed(robot: &Robot, scene: &Scene, parts: &[ArmPart]) -> (Arc<[Placed]>, Arc<[bool]>) {
+    let obstacles: Arc<[Placed]> = scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect();
+    let ignored: HashSet<(usize, usize)> =
+        scene.ignored().iter().map(|it| (it.link, it.obstacle)).collect();
+    let counts = parts.iter().flat_map(|part| {
+        let is_checked = |o: usize| {
+            part.shown >= FIRST_LINK
+                && !ignored.contains(&(part.shown, o))
+                && !is_constant(robot, part, &obstacles[o])
+        };
+        (0..obstacles.len()).map(is_checked).collect::<Vec<_>>()
+    });
+    let counts = counts.collect();
+    (obstacles, counts)
 }
 
 /// Returns true if two parts of the arm have the same positive distance at all poses, such as a

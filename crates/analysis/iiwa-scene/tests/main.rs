@@ -5,6 +5,7 @@ mod carried;
 mod collada;
 mod common;
 mod documents;
+mod elsewhere;
 mod mesh;
 mod moved;
 mod mutations;
