@@ -56,6 +56,6 @@ pub use change::{Change, ChangeKind};
 pub use freedom::Freedom;
 pub use optimiser::Optimiser;
 pub use order::{OrderRule, OrderedTasks};
-pub use place::{Place, PlaceGrid, PlaceMap, TimedPlace};
+pub use place::{Place, PlaceGrid, PlaceMap, PlaceRule, TimedPlace};
 pub use results::{Advice, AdviceRow, LowerBound, Optimum};
 pub use sequence::SequenceTimes;

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use iiwa_kin::{Mount, Pose};
 use iiwa_program::Program;
-use iiwa_traj::PlanError;
+use iiwa_traj::{PlanError, Trajectory};
 use rayon::prelude::*;
 
 use crate::{change_search::LEAST_S, optimiser::Optimiser};
@@ -100,6 +100,9 @@ impl PlaceGrid {
     }
 }
 
+/// Rule for the trajectory of a program with the robot at another place.
+pub type PlaceRule<'a> = &'a (dyn Fn(&Place, &Trajectory) -> bool + Sync);
+
 /// A place with the cycle time of the program there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -108,6 +111,16 @@ pub struct TimedPlace {
     pub place: Place,
     /// Cycle time, in s; `None` if the robot cannot execute the program there.
     pub cycle_time_s: Option<f64>,
+    /// `true` if the robot can execute the program there, but the rule of the search does not
+    /// accept its trajectory: for example because the arm is too near to an obstacle.
+    pub is_rejected: bool,
+}
+
+impl TimedPlace {
+    /// Cycle time at a place that is not rejected, in s.
+    fn accepted_time_s(&self) -> Option<f64> {
+        self.cycle_time_s.filter(|_| !self.is_rejected)
+    }
 }
 
 /// Result of a search for a place.
@@ -118,8 +131,8 @@ pub struct PlaceMap {
     pub cycle_time_s: f64,
     /// All places of the grid: x changes fastest, then y, then z.
     pub places: Vec<TimedPlace>,
-    /// The fastest place that was found, on the grid or beside it; `None` if none saves a
-    /// millisecond.
+    /// The fastest place that was found and is not rejected, on the grid or beside it; `None` if
+    /// none saves a millisecond.
     pub best: Option<TimedPlace>,
     /// The program at the best place; without one, the program itself.
     pub program: Program,
@@ -149,12 +162,38 @@ impl Optimiser {
     ///
     /// If the program cannot be planned at the present place, or if the search is interrupted.
     pub fn place(&self, program: &Program, grid: &PlaceGrid) -> Result<PlaceMap, PlanError> {
+        self.placed(program, grid, None)
+    }
+
+    /// As [`place`](Self::place), with only those places at which `rule` accepts the whole
+    /// trajectory: for example because the arm keeps its distance from obstacles. The rule is
+    /// applied at all places, also at slow ones.
+    ///
+    /// # Errors
+    ///
+    /// As for [`place`](Self::place).
+    pub fn place_within(
+        &self,
+        program: &Program,
+        grid: &PlaceGrid,
+        rule: PlaceRule<'_>,
+    ) -> Result<PlaceMap, PlanError> {
+        self.placed(program, grid, Some(rule))
+    }
+
+    fn placed(
+        &self,
+        program: &Program,
+        grid: &PlaceGrid,
+        rule: Option<PlaceRule<'_>>,
+    ) -> Result<PlaceMap, PlanError> {
         let plans = AtomicU64::new(0);
         let cycle_time_s = self.settings.cycle_times(&plans).plan(program)?.cycle_time_s();
-        let places = self.timed(program, grid.places(), &plans);
+        let timed = |places: Vec<Place>| self.timed(program, places, rule, &plans);
+        let places = timed(grid.places());
         let mut best = fastest(&places);
         if let Some(best) = &mut best {
-            self.refine(program, grid, best, &plans);
+            self.refine(grid, best, timed);
         }
         self.check_stop()?;
         let saves = |place: &TimedPlace| {
@@ -172,10 +211,9 @@ impl Optimiser {
     /// steps where none of them is faster.
     fn refine(
         &self,
-        program: &Program,
         grid: &PlaceGrid,
         best: &mut TimedPlace,
-        plans: &AtomicU64,
+        timed: impl Fn(Vec<Place>) -> Vec<TimedPlace>,
     ) {
         let bounds = grid.axes().map(|axis| {
             let low = axis.iter().copied().fold(f64::INFINITY, f64::min);
@@ -198,7 +236,7 @@ impl Optimiser {
                     }
                 }
             }
-            let all = [vec![*best], self.timed(program, around, plans)].concat();
+            let all = [vec![*best], timed(around)].concat();
             match fastest(&all) {
                 Some(next) if next != *best => *best = next,
                 _ => {
@@ -210,31 +248,42 @@ impl Optimiser {
     }
 
     /// Plans the program at each of these places.
-    fn timed(&self, program: &Program, places: Vec<Place>, plans: &AtomicU64) -> Vec<TimedPlace> {
+    fn timed(
+        &self,
+        program: &Program,
+        places: Vec<Place>,
+        rule: Option<PlaceRule<'_>>,
+        plans: &AtomicU64,
+    ) -> Vec<TimedPlace> {
         let all = places.into_par_iter().map_init(
             || self.settings.cycle_times(plans),
             |times, place| {
-                if self.check_stop().is_err() {
-                    return TimedPlace { place, cycle_time_s: None };
+                let is_stopped = self.check_stop().is_err();
+                let plan = || times.plan(&program.with_cell_at(&place.cell())).ok();
+                let Some(plan) = (!is_stopped).then(plan).flatten() else {
+                    return TimedPlace { place, cycle_time_s: None, is_rejected: false };
+                };
+                TimedPlace {
+                    place,
+                    cycle_time_s: Some(plan.cycle_time_s()),
+                    is_rejected: rule.is_some_and(|rule| !rule(&place, &plan)),
                 }
-                let plan = times.plan(&program.with_cell_at(&place.cell()));
-                TimedPlace { place, cycle_time_s: plan.ok().map(|plan| plan.cycle_time_s()) }
             },
         );
         all.collect()
     }
 }
 
-/// Returns the first place that is as fast as any other, apart from rounding, if the robot can
-/// execute the program at any of them.
+/// Returns the first place that is as fast as any other, apart from rounding, if any of them is not
+/// rejected and the robot can execute the program there.
 fn fastest(places: &[TimedPlace]) -> Option<TimedPlace> {
     /// A turn of the base alone shifts A1, and changes the cycle time by rounding.
     const EQUAL_S: f64 = 1e-6;
 
-    let times = places.iter().filter_map(|place| place.cycle_time_s);
+    let times = places.iter().filter_map(TimedPlace::accepted_time_s);
     let least_s = times.min_by(f64::total_cmp)?;
     let is_fast = |place: &&TimedPlace| {
-        place.cycle_time_s.is_some_and(|place_s| place_s <= least_s + EQUAL_S)
+        place.accepted_time_s().is_some_and(|place_s| place_s <= least_s + EQUAL_S)
     };
     places.iter().find(is_fast).copied()
 }
