@@ -1,6 +1,6 @@
 //! `iiwasim place` as a process: the map, the program for the best place, and what it refuses.
 
-use std::fs;
+use std::{fs, path::Path};
 
 use predicates::{prelude::PredicateBooleanExt, str::contains};
 use serde_json::Value;
@@ -65,6 +65,99 @@ fn the_picture_shows_the_map() {
     fs::write(folder.path().join("mine.svg"), "{}").unwrap();
     refused(&["--picture", "mine.svg"], "mine.svg");
     assert_eq!(fs::read_to_string(folder.path().join("mine.svg")).unwrap(), "{}");
+}
+
+/// Writes a scene with a wall 200 mm behind the robot, whose foot has a radius of 115 mm.
+#[expect(clippy::unwrap_used, reason = "a test fails by it")]
+fn write_wall(folder: &Path) {
+    let scene = r#"{ "version": 1, "obstacles": [{ "type": "plane", "name": "wall",
+        "point_mm": [-200, 0, 0], "normal": [1, 0, 0] }] }"#;
+    fs::write(folder.join("wall.json"), scene).unwrap();
+}
+
+#[test]
+fn places_too_near_to_a_wall_are_not_chosen() {
+    let folder = tempdir().unwrap();
+    write_wall(folder.path());
+    let input = fixture("pick-and-place.json").display().to_string();
+    let grid = ["place", &input, "--x=-100:100", "--y=0"];
+    let run = |options: &[&str]| iiwasim(&folder, &[&grid[..], options].concat());
+    let free = figures(run(&["--json"]));
+    assert_eq!(free.get("too_near"), None);
+    assert!(free["places"].as_array().unwrap().iter().all(|it| it.get("too_near").is_none()));
+
+    let scene = ["--scene", "wall.json"];
+    let with = |options: &[&str]| run(&[&scene[..], options].concat());
+    let near = figures(with(&["--json", "-o", "placed.json", "--picture", "map.svg"]));
+    let flags = |report: &Value| {
+        let rows = report["places"].as_array().unwrap().iter();
+        rows.map(|row| row["too_near"].as_bool().unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!(flags(&near), [true, false, false, false, false]);
+    assert_eq!(near["too_near"], 1);
+    let times = |report: &Value| {
+        let rows = report["places"].as_array().unwrap().iter();
+        rows.map(|row| row["cycle_time_s"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(times(&near), times(&free));
+    let best = &near["best"];
+    assert_eq!(best["too_near"], false);
+    let best_mm = best["x_mm"].as_f64().unwrap();
+    assert!((-75.2..=-50.0).contains(&best_mm), "{best}");
+    let best_s = best["cycle_time_s"].as_f64().unwrap();
+    assert!(best_s > free["best"]["cycle_time_s"].as_f64().unwrap());
+    assert!((cycle_time(&folder, "placed.json") - best_s).abs() < 1e-6);
+    let svg = fs::read_to_string(folder.path().join("map.svg")).unwrap();
+    // Once in the map, and once in the legend.
+    assert_eq!((svg.matches("too near").count(), svg.matches("#F0A096").count()), (1, 2));
+    let first_s = format!("{:.3}", near["places"][0]["cycle_time_s"].as_f64().unwrap());
+    assert!(!svg.contains(&first_s), "{first_s}");
+
+    let wide = figures(with(&["--json", "--min-clearance", "50"]));
+    assert_eq!(
+        (flags(&wide), &wide["too_near"]),
+        (vec![true, true, false, false, false], &2.into())
+    );
+    with(&[]).success().stdout(
+        contains("too near")
+            .and(contains("too near to an obstacle or to itself at 1 of them"))
+            .and(contains(&first_s).not())
+            .and(contains("not checked for collisions").not()),
+    );
+    let all = ["--min-clearance", "1000", "--json"];
+    let none = figures(with(&all));
+    assert_eq!(none["best"], Value::Null, "{none}");
+    with(&all[..2]).success().stdout(contains("No place that keeps the clearances saves"));
+}
+
+#[test]
+fn obstacles_that_move_with_the_robot_are_named() {
+    let folder = tempdir().unwrap();
+    write_wall(folder.path());
+    let input = fixture("pick-and-place.json").display().to_string();
+    let grid = ["place", &input, "--x=-100:100", "--y=0"];
+    let run = |options: &[&str]| iiwasim(&folder, &[&grid[..], options].concat());
+    let free = figures(run(&["--json"]));
+    let scene = ["--scene", "wall.json", "--with-robot"];
+    let with = |names: &str| run(&[&scene[..], &[names, "--json"]].concat());
+    let moving = figures(with("wall"));
+    assert_eq!((&moving["too_near"], &moving["best"]["x_mm"]), (&0.into(), &free["best"]["x_mm"]));
+    run(&scene[..2])
+        .success()
+        .stdout(contains("too near").and(contains("keeps its clearances").not()));
+    run(&[&scene[..], &["wall"]].concat())
+        .success()
+        .stdout(contains("keeps its clearances at all of them").and(contains("too near").not()));
+    for names in ["door", "wall,door"] {
+        let message = "--with-robot: unknown obstacle `door`; `wall` is known";
+        with(names).code(2).stderr(contains(message));
+    }
+    run(&["--with-robot", "wall"]).code(2).stderr(contains("--with-robot needs a scene"));
+    // A scene by default.
+    fs::write(folder.path().join("iiwasim.toml"), "scene = \"wall.json\"").unwrap();
+    let by_default = figures(run(&["--with-robot", "wall", "--json"]));
+    assert_eq!(by_default["too_near"], 0);
+    run(&["--scene", "wall.json", "-o", "wall.json"]).code(2).stderr(contains("--output"));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use iiwa_optimise::PlaceGrid;
 
-use super::{SearchInput, SearchOutput, values::number};
+use super::{SceneOptions, SearchInput, SearchOutput, values::number};
 
 /// Find the robot base position at which a program is fastest.
 ///
@@ -16,8 +16,13 @@ use super::{SearchInput, SearchOutput, values::number};
 ///
 /// Bases, frames and targets keep their places in the cell. Joint positions stay as they are: the
 /// TCP is elsewhere in the cell there, and so is a line or a circle that begins there. Elbow angles
-/// (E1) are not changed; `iiwasim optimise` improves them for the best place. Places are not
-/// checked for collisions: a scene does not say what moves with the robot.
+/// (E1) are not changed; `iiwasim optimise` improves them for the best place.
+///
+/// Places are checked for collisions only with --scene: its obstacles keep their places in the
+/// cell, except those that move with the robot (--with-robot). At each place, every motion keeps
+/// --min-clearance from the obstacles, and the arm from itself. A motion that has less in the
+/// unchanged program may have less only between the same part of the arm and the same obstacle. The
+/// unchanged program must not touch an obstacle.
 ///
 /// The table is a map of the cycle times by x and y, with z and yaw of the best place on the grid.
 /// With --output, the program for the best place is written: its bases, frames and targets have
@@ -51,6 +56,13 @@ pub(crate) struct PlaceRobot {
     /// Draw the map as a picture, in colours from the slowest to the fastest place
     #[arg(long, value_name = "FILE.svg|png|pdf")]
     pub(crate) picture: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) around: SceneOptions,
+
+    /// Obstacles of --scene that move with the robot base, by name, with commas between them
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub(crate) with_robot: Vec<String>,
 
     #[command(flatten)]
     pub(crate) found: SearchOutput,

@@ -22,6 +22,10 @@ pub struct PlaceReport {
     joint_targets: usize,
     /// Number of plans that were compared.
     plans: u64,
+    /// Number of places on the grid at which the arm is too near to an obstacle or to itself; none
+    /// if places were not checked for collisions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    too_near: Option<usize>,
     /// Places on the grid: x changes fastest, then y, then z.
     places: Vec<PlaceRow>,
     /// Values of x and of y, in mm.
@@ -38,29 +42,48 @@ pub(crate) struct PlaceRow {
     pub(crate) yaw_deg: f64,
     /// None if the robot cannot execute the program there.
     pub(crate) cycle_time_s: Option<f64>,
+    /// True if the arm is too near to an obstacle or to itself; none if places were not checked for
+    /// collisions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) too_near: Option<bool>,
 }
 
 impl PlaceRow {
-    fn new(timed: &TimedPlace) -> Self {
+    fn new(timed: &TimedPlace, is_checked: bool) -> Self {
         let [x_mm, y_mm, z_mm] = timed.place.shift_m.map(|shift| rounded(1e3 * shift, 6));
         let yaw_deg = rounded(timed.place.yaw_rad.to_degrees(), 6);
         let cycle_time_s = timed.cycle_time_s.map(|time| rounded(time, 9));
-        Self { x_mm, y_mm, z_mm, yaw_deg, cycle_time_s }
+        let too_near = is_checked.then_some(timed.is_rejected);
+        Self { x_mm, y_mm, z_mm, yaw_deg, cycle_time_s, too_near }
+    }
+
+    pub(crate) fn is_too_near(&self) -> bool {
+        self.too_near == Some(true)
+    }
+
+    /// Cycle time at a place that keeps the clearances, in s.
+    pub(crate) fn accepted_time_s(&self) -> Option<f64> {
+        self.cycle_time_s.filter(|_| !self.is_too_near())
     }
 }
 
 impl PlaceReport {
     /// Creates the report of a search on `grid`. `joint_targets` is the number of joint positions
-    /// among the targets of the program.
+    /// among the targets of the program, and `is_checked` says whether places were checked for
+    /// collisions.
     #[must_use]
-    pub fn new(map: &PlaceMap, grid: &PlaceGrid, joint_targets: usize) -> Self {
+    pub fn new(map: &PlaceMap, grid: &PlaceGrid, joint_targets: usize, is_checked: bool) -> Self {
         let [x, y, _] = &grid.shifts_m;
+        let row = |timed: &TimedPlace| PlaceRow::new(timed, is_checked);
+        let places: Vec<_> = map.places.iter().map(row).collect();
+        let too_near = places.iter().filter(|place| place.is_too_near()).count();
         Self {
             cycle_time_s: rounded(map.cycle_time_s, 9),
-            best: map.best.as_ref().map(PlaceRow::new),
+            best: map.best.as_ref().map(row),
             joint_targets,
             plans: map.plans,
-            places: map.places.iter().map(PlaceRow::new).collect(),
+            too_near: is_checked.then_some(too_near),
+            places,
             axes_mm: [x, y].map(|axis| axis.iter().map(|value| rounded(1e3 * value, 6)).collect()),
         }
     }
@@ -83,6 +106,7 @@ impl PlaceReport {
             let mut rows = table(&head.collect::<Vec<_>>());
             for (y_mm, row) in y.iter().zip(layer.chunks(x.len())) {
                 let times = row.iter().map(|place| match place.cycle_time_s {
+                    Some(_) if place.is_too_near() => "too near".to_owned(),
                     Some(time) => format!("{time:.3}"),
                     None => "-".to_owned(),
                 });
@@ -97,8 +121,18 @@ impl PlaceReport {
             "The robot can execute the program at {possible} of {} places; {plans} plans compared",
             places.len()
         );
+        match self.too_near {
+            None => {}
+            Some(0) => text.push_str("The arm keeps its clearances at all of them\n"),
+            Some(too_near) => {
+                let _ = writeln!(
+                    text,
+                    "The arm is too near to an obstacle or to itself at {too_near} of them"
+                );
+            }
+        }
         match best {
-            Some(PlaceRow { x_mm, y_mm, z_mm, yaw_deg, cycle_time_s: Some(best_s) }) => {
+            Some(PlaceRow { x_mm, y_mm, z_mm, yaw_deg, cycle_time_s: Some(best_s), .. }) => {
                 let [x, y, z, yaw] = [x_mm, y_mm, z_mm, yaw_deg].map(|value| rounded(*value, 1));
                 let percent = 100.0 * (best_s / cycle_time_s - 1.0);
                 let _ = writeln!(
@@ -111,7 +145,8 @@ impl PlaceReport {
             _ => {
                 let _ = writeln!(
                     text,
-                    "No place saves a millisecond of the cycle time of {cycle_time_s:.3} s"
+                    "No place{} saves a millisecond of the cycle time of {cycle_time_s:.3} s",
+                    if self.is_checked() { " that keeps the clearances" } else { "" }
                 );
             }
         }
@@ -123,8 +158,15 @@ impl PlaceReport {
                 "Targets in joints stay as they are: the TCP is elsewhere in the cell there.\n",
             );
         }
-        text.push_str("Places are not checked for collisions.\n");
+        if !self.is_checked() {
+            text.push_str("Places are not checked for collisions.\n");
+        }
         text
+    }
+
+    /// Returns true if places were checked for collisions.
+    fn is_checked(&self) -> bool {
+        self.too_near.is_some()
     }
 
     /// Returns true if a place has the first or the last value of an axis with several values.
@@ -146,7 +188,7 @@ impl PlaceReport {
 
         let per_layer = self.axes_mm[0].len() * self.axes_mm[1].len();
         let timed = |layer: &&[PlaceRow]| {
-            let times = layer.iter().filter_map(|place| place.cycle_time_s);
+            let times = layer.iter().filter_map(PlaceRow::accepted_time_s);
             times.fold(f64::INFINITY, f64::min)
         };
         let mut layers = self.places.chunks(per_layer.max(1));

@@ -1,7 +1,9 @@
 //! Map of the cycle times at robot base positions.
 
 use plotters::{
-    prelude::{ChartBuilder, Circle, Color, EmptyElement, IntoFont, Rectangle, Text, WHITE},
+    prelude::{
+        ChartBuilder, Circle, Color, EmptyElement, IntoFont, RGBColor, Rectangle, Text, WHITE,
+    },
     style::text_anchor::{HPos, Pos, VPos},
 };
 
@@ -17,6 +19,9 @@ const MOST_WRITTEN: usize = 12;
 
 /// Difference of cycle times from which on they have different colours, in s.
 const LEAST_S: f64 = 1e-3;
+
+/// Colour of places at which the arm is too near to an obstacle or to itself.
+const NEAR: RGBColor = RGBColor(240, 160, 150);
 
 /// Radius of the marks of places.
 const MARK: u32 = 7 * FINE;
@@ -36,7 +41,7 @@ pub fn draw(report: &PlaceReport) -> Result<String, PictureError> {
 
 fn draw_map(root: &Area<'_>, report: &PlaceReport) -> DrawResult {
     let Some(layer) = report.layer() else { return Ok(()) };
-    let times = layer.iter().filter_map(|place| place.cycle_time_s);
+    let times = layer.iter().filter_map(PlaceRow::accepted_time_s);
     let (fastest_s, slowest_s) = times
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), time| {
             (low.min(time), high.max(time))
@@ -55,6 +60,9 @@ fn draw_map(root: &Area<'_>, report: &PlaceReport) -> DrawResult {
     }));
     if layer.iter().any(|place| place.cycle_time_s.is_none()) {
         legend.push((LegendSign::Line, SHADE.stroke_width(12 * FINE), "out of reach".to_owned()));
+    }
+    if layer.iter().any(PlaceRow::is_too_near) {
+        legend.push((LegendSign::Line, NEAR.stroke_width(12 * FINE), "too near".to_owned()));
     }
     let [x, y] = &report.axes_mm;
     let edges = [edges(x, y), edges(y, x)];
@@ -93,13 +101,17 @@ fn draw_map(root: &Area<'_>, report: &PlaceReport) -> DrawResult {
     let cells = layer.iter().enumerate().map(|(index, place)| {
         let [column, row] = [index % x.len(), index / x.len()];
         let corners = [0, 1].map(|end| (edges[0][column + end], edges[1][row + end]));
-        let fill = place.cycle_time_s.map_or(SHADE, colour);
+        let fill = match place.cycle_time_s {
+            Some(_) if place.is_too_near() => NEAR,
+            Some(time_s) => colour(time_s),
+            None => SHADE,
+        };
         Rectangle::new(corners, fill.filled())
     });
     chart.draw_series(cells)?;
     if x.len().max(y.len()) <= MOST_WRITTEN {
         let texts = layer.iter().filter_map(|place| {
-            let time_s = place.cycle_time_s?;
+            let time_s = place.accepted_time_s()?;
             // On dark colours, white is readable.
             let is_dark = slowest_s - fastest_s >= LEAST_S && slowest_s + fastest_s < 2.0 * time_s;
             let style = font().into_font().color(if is_dark { &WHITE } else { &INK });
