@@ -15,6 +15,7 @@ from ._options import Frame, Free, Search, Shape, Timing
 from .drive import Run
 
 _Array: TypeAlias = NDArray[np.float64]
+_Flags: TypeAlias = NDArray[np.bool_]
 _Path: TypeAlias = str | PathLike[str]
 _Robot: TypeAlias = Robot | str | PathLike[str]
 _Place: TypeAlias = Frame | None
@@ -335,6 +336,8 @@ class PlaceMap:
     @property
     def cycle_times_s(self) -> _Array: ...
     @property
+    def too_near(self) -> _Flags: ...
+    @property
     def plans(self) -> int: ...
 
 @final
@@ -478,6 +481,9 @@ def place(
     steps: int = 5,
     robot: _Robot | None = None,
     timing: Timing = "sunrise",
+    scene: Scene | None = None,
+    min_clearance_mm: float = 10.0,
+    with_robot: Sequence[str] = ...,
     progress: Callable[[int], object] | None = None,
 ) -> PlaceMap: ...
 def compare(

@@ -4,13 +4,15 @@ use std::sync::Arc;
 
 use iiwa_optimise::{Optimiser, Place, PlaceGrid, TimedPlace};
 use iiwa_plan::Plan as Planned;
+use iiwa_traj::Trajectory;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::{exceptions::PyValueError, prelude::*};
 
 use crate::{
     options::RobotArgument,
     program::Program,
-    search::{SearchFailure, search},
+    scene::Scene,
+    search::{SceneOfSearch, SearchFailure, search},
 };
 
 /// A shift in mm along x, y and z, and a rotation about z in degrees.
@@ -70,7 +72,7 @@ impl PlaceMap {
     }
 
     /// The best place: shifts along x, y and z in mm, rotation about z in degrees. None if no place
-    /// saves a millisecond.
+    /// that keeps the clearances saves a millisecond.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program.load('fixtures/pick-and-place.json')
@@ -103,6 +105,20 @@ impl PlaceMap {
     fn cycle_times_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let times = self.places.iter().map(|it| it.cycle_time_s.unwrap_or(f64::NAN));
         PyArray1::from_vec(py, times.collect())
+    }
+
+    /// True at those of `places` where the arm is too near to an obstacle or to itself. Without a
+    /// scene, False everywhere.
+    ///
+    /// >>> import iiwasim as iw, json
+    /// >>> program = iw.Program.load('fixtures/pick-and-place.json')
+    /// >>> wall = {'name': 'wall', 'type': 'plane', 'point_mm': [-150, 0, 0], 'normal': [1, 0, 0]}
+    /// >>> scene = iw.Scene.from_json(json.dumps({'version': 1, 'obstacles': [wall]}))
+    /// >>> iw.place(program, x_mm=(-100, 100), y_mm=0, steps=3, scene=scene).too_near
+    /// array([ True, False, False])
+    #[getter]
+    fn too_near<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        PyArray1::from_iter(py, self.places.iter().map(|it| it.is_rejected))
     }
 
     /// The number of plans that were compared.
@@ -162,8 +178,13 @@ impl RangeArgument {
 /// about z: each of them a number, or a tuple of two, a range with `steps` values. By default, x
 /// and y are (-100, 100), z and yaw 0. The program is planned exactly at each place, and around the
 /// best one in ever smaller steps. Bases, frames and targets keep their places in the cell; joint
-/// positions and elbow angles stay as they are. Places are not checked for collisions.
-/// `progress(plans)` is called from time to time; Ctrl-C interrupts the search.
+/// positions and elbow angles stay as they are.
+///
+/// With a `scene`, each motion keeps `min_clearance_mm` from the obstacles, and the arm from
+/// itself; a motion that has less in the given program may have less only between the same part of
+/// the arm and the same obstacle. Obstacles keep their places in the cell, except those named in
+/// `with_robot`, which move with the robot base. Without a scene, places are not checked for
+/// collisions. `progress(plans)` is called from time to time; Ctrl-C interrupts the search.
 ///
 /// >>> import iiwasim as iw
 /// >>> places = iw.place(
@@ -175,7 +196,7 @@ impl RangeArgument {
     program, *, x_mm = RangeArgument::Range((-100.0, 100.0)),
     y_mm = RangeArgument::Range((-100.0, 100.0)), z_mm = RangeArgument::Value(0.0),
     yaw_deg = RangeArgument::Value(0.0), steps = 5, robot = None, timing = "sunrise",
-    progress = None
+    scene = None, min_clearance_mm = 10.0, with_robot = Vec::new(), progress = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are options by keyword in Python")]
 pub(crate) fn place(
@@ -188,6 +209,9 @@ pub(crate) fn place(
     steps: usize,
     robot: Option<RobotArgument<'_>>,
     timing: &str,
+    scene: Option<&Bound<'_, Scene>>,
+    min_clearance_mm: f64,
+    with_robot: Vec<String>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<PlaceMap> {
     const MOST: usize = PlaceGrid::MOST_PLACES;
@@ -210,6 +234,14 @@ pub(crate) fn place(
         )));
     }
     let given = program.get();
+    let with_robot = match scene {
+        Some(scene) => scene.get().parsed.indices_of(&with_robot),
+        None if with_robot.is_empty() => Ok(Vec::new()),
+        None => return Err(PyValueError::new_err("with_robot names obstacles: give their scene")),
+    };
+    let with_robot =
+        with_robot.map_err(|error| PyValueError::new_err(format!("with_robot: {error}")))?;
+    let scene = SceneOfSearch::new(py, given, scene, min_clearance_mm)?;
     let work = move |optimiser: &Optimiser, planned: &Planned| {
         if grid.turns_gravity(&planned.program.workcell.mount) {
             return Err(SearchFailure::Unsuitable(
@@ -218,7 +250,13 @@ pub(crate) fn place(
                     .to_owned(),
             ));
         }
-        Ok(optimiser.place(&planned.program, &grid)?)
+        let Some(scene) = scene else { return Ok(optimiser.place(&planned.program, &grid)?) };
+        let arm = scene.arm(planned);
+        let clearances = scene.clearances(&arm, planned)?;
+        let rule = |place: &Place, trajectory: &Trajectory| {
+            clearances.allow_elsewhere(&place.cell(), &with_robot, trajectory)
+        };
+        Ok(optimiser.place_within(&planned.program, &grid, &rule)?)
     };
     let (found, planned) = search(py, given, robot, timing, progress, work)?;
     let changed_cycle_time_s = found.changed_cycle_time_s();

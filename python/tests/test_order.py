@@ -94,6 +94,37 @@ def test_a_robot_on_a_wall_does_not_turn() -> None:
     assert iw.place(wall, x_mm=0, y_mm=0, yaw_deg=0).cycle_time_s > 0
 
 
+def scene_with_wall(x_mm: float) -> iw.Scene:
+    """A scene with a wall behind the robot."""
+    wall = {"name": "wall", "type": "plane", "point_mm": [x_mm, 0, 0], "normal": [1, 0, 0]}
+    return iw.Scene.from_json(json.dumps({"version": 1, "obstacles": [wall]}))
+
+
+def test_places_too_near_to_a_wall_are_marked() -> None:
+    program = pick_and_place()
+    free = iw.place(program, x_mm=(-100, 100), y_mm=0)
+    assert free.best is not None and free.best[0] == pytest.approx(-100)
+    assert not free.too_near.any()
+    scene = scene_with_wall(-200)
+    near = iw.place(program, x_mm=(-100, 100), y_mm=0, scene=scene)
+    assert near.too_near.tolist() == [True, False, False, False, False]
+    assert near.cycle_times_s == pytest.approx(free.cycle_times_s)
+    # The base has a radius of 115 mm.
+    assert near.best is not None and -75.2 <= near.best[0] <= -50
+    planned = iw.plan(near.program).cycle_time_s
+    assert planned == pytest.approx(near.changed_cycle_time_s, abs=1e-9)
+    wide = iw.place(program, x_mm=(-100, 100), y_mm=0, scene=scene, min_clearance_mm=50)
+    assert wide.too_near.tolist() == [True, True, False, False, False]
+
+
+def test_obstacles_that_move_with_the_robot_keep_their_clearance() -> None:
+    program = pick_and_place()
+    scene = scene_with_wall(-200)
+    moving = iw.place(program, x_mm=(-100, 100), y_mm=0, scene=scene, with_robot=["wall"])
+    assert not moving.too_near.any()
+    assert moving.best == iw.place(program, x_mm=(-100, 100), y_mm=0).best
+
+
 def test_progress_of_places_is_reported() -> None:
     seen: list[int] = []
     places = iw.place(pick_and_place(), steps=25, progress=seen.append)
@@ -108,6 +139,9 @@ def test_progress_of_places_is_reported() -> None:
         ({"yaw_deg": float("inf")}, "yaw_deg is"),
         ({"steps": 1}, "steps is 1"),
         ({"z_mm": (0, 1), "yaw_deg": (0, 1), "steps": 100}, "100000000 places"),
+        ({"with_robot": ["wall"]}, "give their scene"),
+        ({"scene": scene_with_wall(-200), "with_robot": ["door"]}, "`wall` is known"),
+        ({"scene": scene_with_wall(-200), "min_clearance_mm": -1}, "min_clearance_mm is -1"),
     ],
 )
 def test_wrong_ranges_are_named(options: dict[str, object], message: str) -> None:
