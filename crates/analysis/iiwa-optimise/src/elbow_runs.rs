@@ -91,9 +91,8 @@ fn fastest_turn(
     );
     let mut timed: Vec<_> = timed.flatten().collect();
     timed.sort_by(|(a_s, _), (b_s, _)| a_s.total_cmp(b_s));
-    let is_faster = |(cycle_time_s, _): &(f64, _)| {
-        search.version.cycle_time_s - cycle_time_s >= LEAST_S
-    };
+    let is_faster =
+        |(cycle_time_s, _): &(f64, _)| search.version.cycle_time_s - cycle_time_s >= LEAST_S;
     timed.into_iter().take_while(is_faster).find_map(|(_, turn)| {
         let version = search.with_all(times, &turn)?;
         Some((turn, version))

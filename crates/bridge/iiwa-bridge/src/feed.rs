@@ -74,7 +74,9 @@ impl Feed {
         let to = Arc::clone(&numbered);
         // It ends when the thread that reads has ended, and all is forwarded.
         threads.spawn("bridge sinks", move |_| {
-            waiting.into_iter().for_each(|(at, content)| to.send_at(at, content));
+            for (at, content) in waiting {
+                to.send_at(at, content);
+            }
         })?;
         let to = Arc::clone(&numbered);
         threads.spawn("bridge poll", move |shutdown| poll(client, &to, shutdown))?;
