@@ -131,9 +131,9 @@ fn named_obstacles_move_with_the_robot() {
 
 #[test]
 fn unknown_names_are_errors() {
-    let error = cell().indices_of(&["floor", "tabel"]).unwrap_err();
-    assert_eq!(error.name(), "tabel");
-    let message = "unknown obstacle `tabel`; `floor`, `table` and `lamp` are known";
+    let error = cell().indices_of(&["floor", "desk"]).unwrap_err();
+    assert_eq!(error.name(), "desk");
+    let message = "unknown obstacle `desk`; `floor`, `table` and `lamp` are known";
     assert_eq!(error.to_string(), message);
     let empty = Scene::default().indices_of(&["table"]).unwrap_err();
     assert_eq!(empty.to_string(), "unknown obstacle `table`; none are known");

@@ -161,32 +161,35 @@ proptest! {
 #[test]
 fn the_contact_is_where_solids_touch() {
     let start_rad = [
-        -1.187472588273584,
-        0.8255218459075375,
-        -0.9708108497965658,
-        -1.0899822907512182,
-        0.20475333499269233,
-        -0.4185320672339247,
+        -1.187_472_588_273_584,
+        0.825_521_845_907_537_5,
+        -0.970_810_849_796_565_8,
+        -1.089_982_290_751_218_2,
+        0.204_753_334_992_692_33,
+        -0.418_532_067_233_924_7,
         0.0,
     ];
     let target_rad = [
-        -1.3527494767087855,
-        1.0595810618991721,
-        -1.0920666582283487,
-        -1.1257235255516669,
-        0.47528050624948737,
-        -0.5558863098536614,
+        -1.352_749_476_708_785_5,
+        1.059_581_061_899_172_1,
+        -1.092_066_658_228_348_7,
+        -1.125_723_525_551_666_9,
+        0.475_280_506_249_487_37,
+        -0.555_886_309_853_661_4,
         0.0,
     ];
-    let ptp = Ptp { acceleration_rel: [0.697157925205918; 7], ..Ptp::to(target_rad) };
+    let ptp = Ptp { acceleration_rel: [0.697_157_925_205_918; 7], ..Ptp::to(target_rad) };
     let program = Program {
         robot: None,
         start: Start::Joints(start_rad),
-        motions: vec![Motion::Wait { seconds: 1.7395501721703257, overlap: 0 }, Motion::Ptp(ptp)],
+        motions: vec![
+            Motion::Wait { seconds: 1.739_550_172_170_325_7, overlap: 0 },
+            Motion::Ptp(ptp),
+        ],
         workcell: Workcell::default(),
         sources: Sources::default(),
     };
-    let scene = crate::common::scene(&mut fastrand::Rng::with_seed(1907019608846403796), 3);
+    let scene = crate::common::scene(&mut fastrand::Rng::with_seed(1_907_019_608_846_403_796), 3);
     let arm = ArmInScene::new(&Robot::default(), &scene);
     let trajectory = plan(&program, PathOptions::default(), acceleration());
     check(&arm, &trajectory, 2000);
