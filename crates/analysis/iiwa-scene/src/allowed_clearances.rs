@@ -18,7 +18,15 @@ pub struct AllowedClearances<'a> {
     /// Smallest clearance of each motion of the unchanged program, in m.
     motions_m: BTreeMap<MotionIndex, f64>,
     itself_m: f64,
-    near: OnceLock<Vec<NearPair>>,
+    here: OnceLock<Here>,
+}
+
+/// Distances from obstacles in the unchanged program.
+#[derive(Debug)]
+struct Here {
+    /// Distance of links 0 and 1 from each obstacle, in m.
+    base_m: Vec<f64>,
+    near: Vec<NearPair>,
 }
 
 /// Part of the arm and obstacle that are nearer to each other in the unchanged program than changed
@@ -53,7 +61,7 @@ impl<'a> AllowedClearances<'a> {
                 min_m,
                 motions_m: clearances_m(arm, unchanged),
                 itself_m: itself_m(arm, unchanged),
-                near: OnceLock::new(),
+                here: OnceLock::new(),
             }),
         }
     }
@@ -93,21 +101,20 @@ impl<'a> AllowedClearances<'a> {
     ///
     /// Links 0 and 1 count as well, since the robot base moves: they have to keep the smallest
     /// clearance, or their own one at the former place if that is less. An obstacle that they touch
-    /// at the former place carries the base, and they may touch it everywhere.
+    /// at the former place carries the base: they are not checked against it, however far the base
+    /// is lowered into it. Obstacles are not checked against each other.
     #[must_use]
     pub fn allow_elsewhere(&self, cell: &Pose, with_robot: &[usize], moved: &Trajectory) -> bool {
         let scene = self.arm.scene().with_cell_at(cell, with_robot);
         let arm = self.arm.among_obstacles_of(scene);
-        let near = self.near.get_or_init(|| self.near_pairs());
-        let keeps = |clearance_m: f64, before_m: f64| clearance_m >= self.least_m(before_m);
+        let Here { base_m, near } = self.here.get_or_init(|| self.here());
         let motions_keep = |arm: &ArmInScene, before_m: &dyn Fn(MotionIndex) -> Option<f64>| {
             clearances_m(arm, moved).into_iter().all(|(motion, clearance_m)| {
-                keeps(clearance_m, before_m(motion).unwrap_or(f64::INFINITY))
+                self.keeps(clearance_m, before_m(motion).unwrap_or(f64::INFINITY))
             })
         };
-        let base_m = zip(arm.base_clearances_m(), self.arm.base_clearances_m());
-        base_m.into_iter().all(|(base_m, before_m)| keeps(base_m, before_m))
-            && keeps(itself_m(&arm, moved), self.itself_m)
+        zip(arm.base_clearances_m(), base_m).all(|(now_m, before_m)| self.keeps(now_m, *before_m))
+            && self.keeps(itself_m(&arm, moved), self.itself_m)
             && motions_keep(&arm.checking(|pair| near.iter().all(|it| it.pair != pair)), &|_| None)
             && near.iter().all(|near| {
                 let alone = arm.checking(|pair| pair == near.pair);
@@ -115,13 +122,16 @@ impl<'a> AllowedClearances<'a> {
             })
     }
 
-    /// Returns the pairs that are nearer than `min_m` in any motion of the unchanged program.
-    fn near_pairs(&self) -> Vec<NearPair> {
+    /// Returns the distances of the base, and the pairs that are nearer than `min_m` in any motion
+    /// of the unchanged program.
+    fn here(&self) -> Here {
+        // Of all pairs, also those whose distance no motion changes.
+        let here = self.arm.among_obstacles_of(self.arm.scene().clone());
         let mut pairs: Vec<IgnoredPair> = Vec::new();
         // The search for clearances finds the nearest pair of each motion; the next pair is found
         // without those before it.
         loop {
-            let arm = self.arm.checking(|pair| !pairs.contains(&pair));
+            let arm = here.checking(|pair| !pairs.contains(&pair));
             let sections = self.unchanged.sections().iter();
             let nearest = sections.flat_map(|section| arm.clearances(section));
             let before = pairs.len();
@@ -137,15 +147,17 @@ impl<'a> AllowedClearances<'a> {
             }
         }
         let near = pairs.into_iter().map(|pair| {
-            let alone = self.arm.checking(|it| it == pair);
+            let alone = here.checking(|it| it == pair);
             NearPair { pair, motions_m: clearances_m(&alone, self.unchanged) }
         });
-        near.collect()
+        Here { base_m: here.base_clearances_m(), near: near.collect() }
     }
 
-    /// Returns the smallest allowed clearance where the unchanged program has `before_m`.
-    fn least_m(&self, before_m: f64) -> f64 {
-        self.min_m.min(before_m) - Self::ACCURACY_M
+    /// Returns true if a clearance is allowed where the unchanged program has `before_m`. What did
+    /// not touch must not touch, whatever the smallest clearance.
+    fn keeps(&self, clearance_m: f64, before_m: f64) -> bool {
+        clearance_m >= self.min_m.min(before_m) - Self::ACCURACY_M
+            && (clearance_m > 0.0 || before_m <= 0.0)
     }
 
     fn allow_by(
@@ -154,10 +166,10 @@ impl<'a> AllowedClearances<'a> {
         changed: &Trajectory,
         origin: impl Fn(MotionIndex) -> MotionIndex,
     ) -> bool {
-        itself_m(arm, changed) >= self.least_m(self.itself_m)
+        self.keeps(itself_m(arm, changed), self.itself_m)
             && clearances_m(arm, changed).into_iter().all(|(motion, clearance_m)| {
                 let before_m = self.motions_m.get(&origin(motion)).copied();
-                clearance_m >= self.least_m(before_m.unwrap_or(f64::INFINITY))
+                self.keeps(clearance_m, before_m.unwrap_or(f64::INFINITY))
             })
     }
 }

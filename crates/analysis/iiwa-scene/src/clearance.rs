@@ -142,9 +142,9 @@ impl ArmInScene {
     }
 
     /// Returns the arm with its tool and the shapes that it carries, among the obstacles of another
-    /// scene.
+    /// scene. Distances that no motion changes are checked as well.
     pub(crate) fn among_obstacles_of(&self, scene: Scene) -> Self {
-        let (obstacles, counts) = placed(&self.robot, &scene, &self.parts);
+        let (obstacles, counts) = placed(&scene, &self.parts, |_, _| true);
         Self { scene: Arc::new(scene), obstacles, counts, ..self.clone() }
     }
 
@@ -173,7 +173,8 @@ impl ArmInScene {
     }
 
     fn of_parts(robot: &Robot, scene: &Scene, parts: Vec<ArmPart>) -> Self {
-        let (obstacles, counts) = placed(robot, scene, &parts);
+        let changes = |part: &ArmPart, obstacle: &Placed| !is_constant(robot, part, obstacle);
+        let (obstacles, counts) = placed(scene, &parts, changes);
         let may_touch = |part: usize, other: usize| {
             may_touch(parts[part].shown, parts[other].shown)
                 && !is_rigid(robot, &parts[part], &parts[other])
@@ -429,18 +430,22 @@ impl ArmInScene {
 }
 
 /// Returns the obstacles of a scene, and for all pairs of a part and an obstacle, part by part,
-/// `true` if the pair is checked.
-fn placed(robot: &Robot, scene: &Scene, parts: &[ArmPart]) -> (Arc<[Placed]>, Arc<[bool]>) {
+/// `true` if the pair is checked: if neither the scene nor `is_checked` excludes it.
+fn placed(
+    scene: &Scene,
+    parts: &[ArmPart],
+    is_checked: impl Fn(&ArmPart, &Placed) -> bool,
+) -> (Arc<[Placed]>, Arc<[bool]>) {
     let obstacles: Arc<[Placed]> = scene.obstacles().iter().map(|o| Placed::new(&o.form)).collect();
     let ignored: HashSet<(usize, usize)> =
         scene.ignored().iter().map(|it| (it.link, it.obstacle)).collect();
     let counts = parts.iter().flat_map(|part| {
-        let is_checked = |o: usize| {
+        let counts = |o: usize| {
             part.shown >= FIRST_LINK
                 && !ignored.contains(&(part.shown, o))
-                && !is_constant(robot, part, &obstacles[o])
+                && is_checked(part, &obstacles[o])
         };
-        (0..obstacles.len()).map(is_checked).collect::<Vec<_>>()
+        (0..obstacles.len()).map(counts).collect::<Vec<_>>()
     });
     let counts = counts.collect();
     (obstacles, counts)

@@ -39,9 +39,14 @@ fn clearance(scene: &Scene, shift_m: [f64; 3]) -> Clearance {
 
 /// Returns true if the upright arm keeps its clearances after a shift of the base.
 fn allows(scene: &Scene, shift_m: [f64; 3], with_robot: &[usize]) -> bool {
+    allows_from(MIN_M, scene, shift_m, with_robot)
+}
+
+/// As [`allows`], with this smallest clearance.
+fn allows_from(min_m: f64, scene: &Scene, shift_m: [f64; 3], with_robot: &[usize]) -> bool {
     let plan = upright();
     let arm = ArmInScene::new(&Robot::default(), scene);
-    let clearances = AllowedClearances::new(&arm, &plan, MIN_M).unwrap();
+    let clearances = AllowedClearances::new(&arm, &plan, min_m).unwrap();
     clearances.allow_elsewhere(&cell(shift_m), with_robot, &plan)
 }
 
@@ -72,6 +77,23 @@ fn a_small_clearance_is_allowed_from_the_same_obstacle_only() {
     assert!(allows(-0.1, 0.0, &[1]));
     assert!(allows(0.0003, 0.0, &[0]));
     assert!(!allows(0.103, 0.0, &[1]));
+}
+
+/// Clearances are accurate to 0.1 mm, which does not allow contacts.
+#[test]
+fn no_contact_is_allowed() {
+    let near = Scene::new(vec![post("front", 1.0, 5e-5)]).unwrap();
+    let far = Scene::new(vec![post("front", 1.0, 0.005)]).unwrap();
+    for min_m in [0.0, MIN_M] {
+        assert!(allows_from(min_m, &near, [0.0; 3], &[]));
+        assert!(allows_from(min_m, &near, [-0.003, 0.0, 0.0], &[]));
+        assert!(!allows_from(min_m, &near, [0.002, 0.0, 0.0], &[]));
+        assert!(!allows_from(min_m, &far, [0.006, 0.0, 0.0], &[]));
+    }
+    assert!(allows_from(0.0, &far, [0.004, 0.0, 0.0], &[]));
+    // The foot, in an obstacle that it does not touch before.
+    let step = cuboid("step", [0.5, 0.0, 0.03], [0.4, 0.4, 0.06]);
+    assert!(!allows_from(0.0, &Scene::new(vec![step]).unwrap(), [0.4, 0.0, 0.0], &[]));
 }
 
 #[test]
