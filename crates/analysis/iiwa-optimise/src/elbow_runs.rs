@@ -20,11 +20,12 @@ use crate::{
 /// Turns that are tried in both directions, in degrees.
 const TURNS_DEG: [f64; 8] = [1.0, 2.0, 4.0, 8.0, 15.0, 30.0, 60.0, 90.0];
 
-/// Number of runs: with many groups, only short runs are turned.
+/// Number of runs up to which there are long ones: with more than 75 groups, runs have two at most.
 const MOST_RUNS: usize = 150;
 
-/// Number of times that all runs are tried. Most programs need fewer than five.
-const MOST_SWEEPS: usize = 10;
+/// Number of runs that are turned, some of them several times, with 16 plans each. Most programs
+/// need fewer than 300.
+const MOST_TURNED: usize = 1500;
 
 /// Returns the changes, in the order in which they are made, and the version with them, if they
 /// save time.
@@ -35,19 +36,21 @@ pub(crate) fn elbows_together(
     let runs = runs(search);
     let mut turned = search.version.clone();
     let mut changes = Vec::new();
-    for _ in 0..MOST_SWEEPS {
-        let before_s = turned.cycle_time_s;
-        for run in &runs {
-            if search.is_interrupted() {
-                return None;
-            }
-            let search = ChangeSearch { version: &turned, ..*search };
-            if let Some((turns, version)) = fastest_turn(&search, times, run.clone()) {
+    let mut unchanged = 0;
+    for run in runs.iter().cycle().take(MOST_TURNED) {
+        if search.is_interrupted() {
+            return None;
+        }
+        let search = ChangeSearch { version: &turned, ..*search };
+        match fastest_turn(&search, times, run.clone()) {
+            Some((turns, version)) => {
                 changes.extend(turns);
                 turned = version;
+                unchanged = 0;
             }
+            None => unchanged += 1,
         }
-        if before_s - turned.cycle_time_s < LEAST_S {
+        if unchanged == runs.len() {
             break;
         }
     }
@@ -62,8 +65,8 @@ fn runs(search: &ChangeSearch<'_>) -> Vec<Range<usize>> {
         let entries = groups[run.start].0.first().index()..groups[run.end - 1].0.last().index();
         !program.motions[entries].iter().any(|entry| matches!(entry, Motion::Ptp(_)))
     };
-    let longest = (MOST_RUNS / groups.len().max(1)).clamp(1, groups.len().max(1));
-    let all = (1..=longest).flat_map(|length| {
+    let longest = (MOST_RUNS / groups.len().max(1)).max(2);
+    let all = (1..=longest.min(groups.len())).flat_map(|length| {
         (0..(groups.len() + 1).saturating_sub(length)).map(move |start| start..start + length)
     });
     all.filter(is_run).collect()

@@ -62,8 +62,9 @@ impl Optimiser {
 
     /// Sets the number of plans after which [`optimise`](Self::optimise) begins no further round of
     /// changes. The plans before these rounds, which turn elbow angles of several groups of motions
-    /// together, do not count; of groups and ways between them, at most five times as many are
-    /// planned. The result does not depend on the speed of the machine.
+    /// together, do not count: at most 1500 turns, each the fastest of 16, or at most five times
+    /// this number of groups and ways between them. The result does not depend on the speed of the
+    /// machine.
     #[must_use]
     pub fn with_budget(self, plans: u64) -> Self {
         Self { budget: plans, ..self }
