@@ -1,5 +1,5 @@
-//! Observation of a robot: its stream is read in one thread and forwarded in a second one, polled
-//! data in a third one.
+//! Observation of a robot: one thread reads its stream, a second one polls other data, and a third
+//! one forwards both.
 
 use std::{
     sync::{
@@ -68,18 +68,18 @@ impl Feed {
         let numbered = Arc::new(Numbered::new(robot.name(), session, sinks));
         let (stream, client) = (robot.stream()?, robot.client()?);
         let mut threads = ThreadGroup::default();
-        let (read, waiting) = sync_channel(MOST_WAITING);
-        let name = robot.name().to_owned();
+        let (to, waiting) = sync_channel(MOST_WAITING);
+        let (name, read) = (robot.name().to_owned(), Received(to.clone()));
         threads.spawn("bridge stream", move |shutdown| follow(stream, &name, &read, shutdown))?;
+        let (name, polled) = (robot.name().to_owned(), Received(to));
+        threads.spawn("bridge poll", move |shutdown| poll(client, &name, &polled, shutdown))?;
         let to = Arc::clone(&numbered);
-        // It ends when the thread that reads has ended, and all is forwarded.
+        // It ends when the other threads have ended, and all is forwarded.
         threads.spawn("bridge sinks", move |_| {
             for (at, content) in waiting {
                 to.send_at(at, content);
             }
         })?;
-        let to = Arc::clone(&numbered);
-        threads.spawn("bridge poll", move |shutdown| poll(client, &to, shutdown))?;
         Ok(Self { numbered, _threads: threads })
     }
 
@@ -129,15 +129,18 @@ impl Numbered {
     }
 }
 
+/// Content that waits to be forwarded, in the order in which it was received.
+struct Received(SyncSender<(Timestamp, Content)>);
+
+impl Received {
+    fn push(&self, content: Content) {
+        // The thread that forwards ends after all others.
+        drop(self.0.send((Timestamp::now(), content)));
+    }
+}
+
 /// Reads the stream of the robot of this name.
-fn follow(
-    mut stream: Stream,
-    robot: &str,
-    read: &SyncSender<(Timestamp, Content)>,
-    shutdown: &AtomicBool,
-) {
-    // The other side ends after this one.
-    let forward = |content| drop(read.send((Timestamp::now(), content)));
+fn follow(mut stream: Stream, robot: &str, read: &Received, shutdown: &AtomicBool) {
     // Torques precede the positions of the same time.
     let mut torques = None;
     let mut refused = Trouble::default();
@@ -148,15 +151,15 @@ fn follow(
             }
             Ok(Some(Published::Joints { t_s, joints_rad })) => {
                 let torques = torques.take().filter(|(at_s, ..)| *at_s == t_s);
-                forward(Content::Joints(CycleSample {
+                read.push(Content::Joints(CycleSample {
                     t_s,
                     joints_rad,
                     measured_nm: torques.map(|(_, measured_nm, _)| measured_nm),
                     external_nm: torques.map(|(.., external_nm)| external_nm),
                 }));
             }
-            Ok(Some(Published::State { t_s, state })) => forward(Content::State { t_s, state }),
-            Ok(Some(Published::Run(event))) => forward(Content::Run((*event).into())),
+            Ok(Some(Published::State { t_s, state })) => read.push(Content::State { t_s, state }),
+            Ok(Some(Published::Run(event))) => read.push(Content::Run((*event).into())),
             Ok(_) => {}
             Err(error) => {
                 refused.warn(format_args!("{robot}: {error}"));
@@ -167,7 +170,7 @@ fn follow(
 }
 
 /// Polls data that the stream does not contain.
-fn poll(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
+fn poll(mut client: Client, robot: &str, polled: &Received, shutdown: &AtomicBool) {
     let mut conditions = RepeatedValue::default();
     let mut io: RepeatedValue<Vec<Signal>> = RepeatedValue::default();
     let mut trouble = Trouble::default();
@@ -179,7 +182,7 @@ fn poll(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
                 Some(status)
             }
             Err(error) => {
-                trouble.warn(format_args!("{}: {error}", to.robot));
+                trouble.warn(format_args!("{robot}: {error}"));
                 None
             }
         };
@@ -190,23 +193,23 @@ fn poll(mut client: Client, to: &Numbered, shutdown: &AtomicBool) {
         match &status {
             Some(DriveStatus { state, t_s: Some(t_s), .. }) if !is_known => {
                 is_known = true;
-                to.send(Content::State { t_s: *t_s, state: *state });
+                polled.push(Content::State { t_s: *t_s, state: *state });
             }
             None => is_known = false,
             _ => {}
         }
         if let Some(changed) = conditions.changed(conditions_of(status)) {
-            to.send(Content::Conditions(Box::new(changed)));
+            polled.push(Content::Conditions(Box::new(changed)));
         }
         // A robot program does not report these values while the robot moves.
         if is_idle {
             if let Ok(sensors) = client.read_sensors() {
-                to.send(Content::Sensors(sensors));
+                polled.push(Content::Sensors(sensors));
             }
             if let Ok(signals) = client.list_io()
                 && let Some(io) = io.changed(signals)
             {
-                to.send(Content::Io { io });
+                polled.push(Content::Io { io });
             }
         }
         pause(ASK_EVERY, shutdown);

@@ -84,7 +84,10 @@ impl RobotState {
         match &message.content {
             Content::Joints(sample) => {
                 let CycleSample { t_s, joints_rad, .. } = *sample;
-                self.motion = Some(JointReadings { joints_rad, at: time, came: Instant::now() });
+                // A busy disk of another broker may have delayed the message.
+                let age = SystemTime::from(message.at).elapsed().unwrap_or_default();
+                let came = Instant::now().checked_sub(age).unwrap_or_else(Instant::now);
+                self.motion = Some(JointReadings { joints_rad, at: time, came });
                 self.window.push(t_s, joints_rad);
             }
             Content::State { state, .. } => self.drive = Some(*state),
