@@ -123,6 +123,7 @@ impl PlaceReport {
         );
         match self.too_near {
             None => {}
+            Some(_) if possible == 0 => {}
             Some(0) => text.push_str("The arm keeps its clearances at all of them\n"),
             Some(too_near) => {
                 let _ = writeln!(
