@@ -69,9 +69,9 @@ impl Feed {
         let (stream, client) = (robot.stream()?, robot.client()?);
         let mut threads = ThreadGroup::default();
         let (to, waiting) = sync_channel(MOST_WAITING);
-        let (name, read) = (robot.name().to_owned(), Received(to.clone()));
+        let (name, read) = (robot.name().to_owned(), Backlog(to.clone()));
         threads.spawn("bridge stream", move |shutdown| follow(stream, &name, &read, shutdown))?;
-        let (name, polled) = (robot.name().to_owned(), Received(to));
+        let (name, polled) = (robot.name().to_owned(), Backlog(to));
         threads.spawn("bridge poll", move |shutdown| poll(client, &name, &polled, shutdown))?;
         let to = Arc::clone(&numbered);
         // It ends when the other threads have ended, and all is forwarded.
@@ -130,9 +130,9 @@ impl Numbered {
 }
 
 /// Content that waits to be forwarded, in the order in which it was received.
-struct Received(SyncSender<(Timestamp, Content)>);
+struct Backlog(SyncSender<(Timestamp, Content)>);
 
-impl Received {
+impl Backlog {
     fn push(&self, content: Content) {
         // The thread that forwards ends after all others.
         drop(self.0.send((Timestamp::now(), content)));
@@ -140,7 +140,7 @@ impl Received {
 }
 
 /// Reads the stream of the robot of this name.
-fn follow(mut stream: Stream, robot: &str, read: &Received, shutdown: &AtomicBool) {
+fn follow(mut stream: Stream, robot: &str, read: &Backlog, shutdown: &AtomicBool) {
     // Torques precede the positions of the same time.
     let mut torques = None;
     let mut refused = Trouble::default();
@@ -170,7 +170,7 @@ fn follow(mut stream: Stream, robot: &str, read: &Received, shutdown: &AtomicBoo
 }
 
 /// Polls data that the stream does not contain.
-fn poll(mut client: Client, robot: &str, polled: &Received, shutdown: &AtomicBool) {
+fn poll(mut client: Client, robot: &str, polled: &Backlog, shutdown: &AtomicBool) {
     let mut conditions = RepeatedValue::default();
     let mut io: RepeatedValue<Vec<Signal>> = RepeatedValue::default();
     let mut trouble = Trouble::default();
