@@ -184,7 +184,8 @@ impl RangeArgument {
 /// itself; a motion that has less in the given program may have less only between the same part of
 /// the arm and the same obstacle. Obstacles keep their places in the cell, except those named in
 /// `with_robot`, which move with the robot base; they are not checked against each other. Without a
-/// scene, places are not checked for collisions. `progress(plans)` is called from time to time; Ctrl-C interrupts the search.
+/// scene, places are not checked for collisions. `progress(plans)` is called from time to time;
+/// Ctrl-C interrupts the search.
 ///
 /// >>> import iiwasim as iw
 /// >>> places = iw.place(

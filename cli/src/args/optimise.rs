@@ -12,8 +12,8 @@ use super::SearchOptions;
 /// The command makes changes of the kinds that --free allows, until no single one of them saves
 /// another millisecond, and writes the changed program. It prints the changes, and then the
 /// differences of the two plans as `iiwasim diff` does. The changes are those of `iiwasim advise`,
-/// except those of waits; elbow angles of neighbouring motions are first turned together. Changes of
-/// several rounds add up: E1 may change by more than 90 deg.
+/// except those of waits; elbow angles of neighbouring motions are first turned together. Changes
+/// of several rounds add up: E1 may change by more than 90 deg.
 ///
 /// With `e1` alone, and if the arm stops around each group of motions that turns, all E1 in steps
 /// of 1 deg are compared together, and a lower bound of the cycle time is printed.

@@ -22,8 +22,8 @@ use super::{SceneOptions, SearchInput, SearchOutput, values::number};
 /// cell, except those that move with the robot (--with-robot). At each place, every motion keeps
 /// --min-clearance from the obstacles, and the arm from itself. A motion that has less in the
 /// unchanged program may have less only between the same part of the arm and the same obstacle. The
-/// foot and the shoulder are not checked against obstacles that they touch in the unchanged program,
-/// and obstacles not against each other. The unchanged program must not touch an obstacle.
+/// foot and the shoulder are not checked against obstacles that they touch in the unchanged
+/// program, and obstacles not against each other. The unchanged program must not touch an obstacle.
 ///
 /// The table is a map of the cycle times by x and y, with z and yaw of the best place on the grid.
 /// With --output, the program for the best place is written: its bases, frames and targets have
