@@ -227,5 +227,5 @@ fn production_programs_are_as_fast_as_their_bounds() {
             bounds += 1;
         }
     }
-    assert_eq!(bounds, if is_long { 9 } else { 1 });
+    assert_eq!(bounds, if is_long { 11 } else { 1 });
 }
