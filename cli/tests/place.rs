@@ -2,9 +2,10 @@
 
 use std::{fs, path::Path};
 
+use assert_cmd::assert::Assert;
 use predicates::{prelude::PredicateBooleanExt, str::contains};
 use serde_json::Value;
-use tempfile::tempdir;
+use tempfile::{TempDir, tempdir};
 
 use crate::helpers::{cycle_time, figures, fixture};
 use crate::run::iiwasim;
@@ -75,19 +76,23 @@ fn write_wall(folder: &Path) {
     fs::write(folder.join("wall.json"), scene).unwrap();
 }
 
+/// Searches along x, on which a wall is behind the robot.
+fn placed(folder: &TempDir, options: &[&str]) -> Assert {
+    let input = fixture("pick-and-place.json").display().to_string();
+    let grid = ["place", &input, "--x=-100:100", "--y=0"];
+    iiwasim(folder, &[&grid[..], options].concat())
+}
+
 #[test]
 fn places_too_near_to_a_wall_are_not_chosen() {
     let folder = tempdir().unwrap();
     write_wall(folder.path());
-    let input = fixture("pick-and-place.json").display().to_string();
-    let grid = ["place", &input, "--x=-100:100", "--y=0"];
-    let run = |options: &[&str]| iiwasim(&folder, &[&grid[..], options].concat());
-    let free = figures(run(&["--json"]));
+    let free = figures(placed(&folder, &["--json"]));
     assert_eq!(free.get("too_near"), None);
     assert!(free["places"].as_array().unwrap().iter().all(|it| it.get("too_near").is_none()));
 
     let scene = ["--scene", "wall.json"];
-    let with = |options: &[&str]| run(&[&scene[..], options].concat());
+    let with = |options: &[&str]| placed(&folder, &[&scene[..], options].concat());
     let near = figures(with(&["--json", "-o", "placed.json", "--picture", "map.svg"]));
     let flags = |report: &Value| {
         let rows = report["places"].as_array().unwrap().iter();
@@ -134,30 +139,31 @@ fn places_too_near_to_a_wall_are_not_chosen() {
 fn obstacles_that_move_with_the_robot_are_named() {
     let folder = tempdir().unwrap();
     write_wall(folder.path());
-    let input = fixture("pick-and-place.json").display().to_string();
-    let grid = ["place", &input, "--x=-100:100", "--y=0"];
-    let run = |options: &[&str]| iiwasim(&folder, &[&grid[..], options].concat());
-    let free = figures(run(&["--json"]));
+    let free = figures(placed(&folder, &["--json"]));
     let scene = ["--scene", "wall.json", "--with-robot"];
-    let with = |names: &str| run(&[&scene[..], &[names, "--json"]].concat());
+    let with = |names: &str| placed(&folder, &[&scene[..], &[names, "--json"]].concat());
     let moving = figures(with("wall"));
     assert_eq!((&moving["too_near"], &moving["best"]["x_mm"]), (&0.into(), &free["best"]["x_mm"]));
-    run(&scene[..2])
+    placed(&folder, &scene[..2])
         .success()
         .stdout(contains("too near").and(contains("keeps its clearances").not()));
-    run(&[&scene[..], &["wall"]].concat())
+    placed(&folder, &[&scene[..], &["wall"]].concat())
         .success()
         .stdout(contains("keeps its clearances at all of them").and(contains("too near").not()));
     for names in ["door", "wall,door"] {
         let message = "--with-robot: unknown obstacle `door`; `wall` is known";
         with(names).code(2).stderr(contains(message));
     }
-    run(&["--with-robot", "wall"]).code(2).stderr(contains("--with-robot needs a scene"));
+    placed(&folder, &["--with-robot", "wall"])
+        .code(2)
+        .stderr(contains("--with-robot needs a scene"));
     // A scene by default.
     fs::write(folder.path().join("iiwasim.toml"), "scene = \"wall.json\"").unwrap();
-    let by_default = figures(run(&["--with-robot", "wall", "--json"]));
+    let by_default = figures(placed(&folder, &["--with-robot", "wall", "--json"]));
     assert_eq!(by_default["too_near"], 0);
-    run(&["--scene", "wall.json", "-o", "wall.json"]).code(2).stderr(contains("--output"));
+    placed(&folder, &["--scene", "wall.json", "-o", "wall.json"])
+        .code(2)
+        .stderr(contains("--output"));
 }
 
 #[test]
