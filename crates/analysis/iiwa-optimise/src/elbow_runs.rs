@@ -65,10 +65,10 @@ fn runs(search: &ChangeSearch<'_>) -> Vec<Range<usize>> {
         let entries = groups[run.start].0.first().index()..groups[run.end - 1].0.last().index();
         !program.motions[entries].iter().any(|entry| matches!(entry, Motion::Ptp(_)))
     };
-    let longest = (MOST_RUNS / groups.len().max(1)).max(2);
-    let all = (1..=longest.min(groups.len())).flat_map(|length| {
-        (0..(groups.len() + 1).saturating_sub(length)).map(move |start| start..start + length)
-    });
+    let count = groups.len();
+    let longest = (MOST_RUNS / count.max(1)).max(2).min(count);
+    let all = (1..=longest)
+        .flat_map(|length| (0..=count - length).map(move |start| start..start + length));
     all.filter(is_run).collect()
 }
 
