@@ -77,7 +77,7 @@ impl Feed {
         // It ends when the other threads have ended, and all is forwarded.
         threads.spawn("bridge sinks", move |_| {
             for (at, content) in waiting {
-                to.send_at(at, content);
+                to.send(at, content);
             }
         })?;
         Ok(Self { numbered, _threads: threads })
@@ -85,7 +85,7 @@ impl Feed {
 
     /// Forwards the bridge's own status to the sinks, as a message of this robot.
     pub(crate) fn send(&self, status: BridgeStatus) {
-        self.numbered.send(Content::Bridge(status));
+        self.numbered.send(Timestamp::now(), Content::Bridge(status));
     }
 }
 
@@ -104,13 +104,8 @@ impl Numbered {
         Self { robot: robot.to_owned(), session, next: Default::default(), sinks }
     }
 
-    /// Forwards content to all sinks.
-    fn send(&self, content: Content) {
-        self.send_at(Timestamp::now(), content);
-    }
-
     /// Forwards content that was received at this time to all sinks.
-    fn send_at(&self, at: Timestamp, content: Content) {
+    fn send(&self, at: Timestamp, content: Content) {
         let mut next =
             self.next[content.kind().index()].lock().unwrap_or_else(PoisonError::into_inner);
         let seq = *next;
