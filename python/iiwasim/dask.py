@@ -4,6 +4,10 @@ Workers need the same version of iiwasim, and only the files of robot profiles t
 the caller reads the source, sends chunks of programs to the workers, and writes the figures.
 Needs Dask: `pip install 'iiwasim[dask]'`. The examples need a cluster: an existing
 `distributed.Client`.
+
+A cluster that has lost all workers is waited for, as in all computations of Dask. If its scheduler
+is started with the setting `distributed.scheduler.no-workers-timeout`, `plan` and `figures` end
+after that time with the error of Dask.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
+import dask.config
 import distributed
 import psutil
 import pyarrow as pa
@@ -50,6 +51,9 @@ def ray_cluster(workers: int = 2) -> Iterator[None]:
 def dask_cluster(workers: int = 2) -> Iterator[distributed.Client]:
     """Dask with `workers` processes of one thread each."""
     with (
+        # By default, Dask gives a worker up if it is missing 15 s after any of its deaths. Where
+        # workers die and the machine is loaded, none may be left then.
+        dask.config.set({"distributed.deploy.lost-worker-timeout": f"{LONG_S}s"}),
         distributed.LocalCluster(
             n_workers=workers,
             threads_per_worker=1,

@@ -12,6 +12,7 @@ from types import ModuleType
 
 import cloudpickle
 import clusters
+import dask.config
 import dask.dataframe as dd
 import pandas as pd
 import pyarrow as pa
@@ -90,6 +91,15 @@ def test_programs_that_kill_every_worker_end(
         cluster.figures(programs[:1])
     monkeypatch.undo()
     assert cluster.figures(programs).equals(on_one_core)
+
+
+def test_dask_without_workers(programs: list[str]) -> None:
+    with (
+        dask.config.set({"distributed.scheduler.no-workers-timeout": "0.1s"}),
+        clusters.dask_cluster(workers=0) as client,
+        pytest.raises(Exception, match="without any running workers"),
+    ):
+        iiwasim.dask.figures(programs[:1], client=client)
 
 
 def test_programs_in_memory(cluster: Cluster, programs: list[str], on_one_core: pa.Table) -> None:
