@@ -6,7 +6,10 @@ use iiwa_log::{PlanRecord, PlanRecordError};
 use iiwa_plan::{GroupRecord, MotionRecord, Plan, PlanFigures};
 use iiwa_program::{Course, Motion, Program};
 use nalgebra::SVector;
-use similar::{Algorithm, DiffOp, capture_diff_slices};
+use similar::{
+    DiffOp,
+    algorithms::{Capture, Compact, Replace, myers},
+};
 
 use crate::PlannedTrajectory;
 
@@ -228,7 +231,11 @@ fn add_pairs(
         };
         list.into_iter().map(number).collect::<Vec<_>>()
     });
-    for op in capture_diff_slices(Algorithm::Myers, &numbered[0], &numbered[1]) {
+    let [old, new] = numbered.each_ref().map(Vec::as_slice);
+    // The shorter call, with the algorithm as an argument, would compile all algorithms.
+    let mut found = Compact::new(Replace::new(Capture::new()), old, new);
+    let Ok(()) = myers::diff(&mut found, old, 0..old.len(), new, 0..new.len());
+    for op in found.into_inner().into_inner().into_ops() {
         let shifted = |start: usize, range: Range<usize>| start + range.start..start + range.end;
         let (old, new) = (shifted(starts[0], op.old_range()), shifted(starts[1], op.new_range()));
         if let DiffOp::Equal { .. } = op {
