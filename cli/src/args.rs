@@ -2,7 +2,6 @@
 
 #[cfg(feature = "live")]
 mod addresses;
-mod advise;
 mod answering;
 #[cfg(feature = "bridge")]
 mod bridge;
@@ -25,15 +24,13 @@ mod import;
 mod link;
 mod log_reading;
 mod model;
-mod optimise;
-mod order;
-mod place;
 mod plan;
 mod report;
 #[cfg(feature = "live")]
 mod robot_values;
 pub(crate) mod ros;
-mod search_options;
+#[cfg(feature = "optimise")]
+mod search;
 mod shell;
 #[cfg(feature = "bridge")]
 mod stored;
@@ -58,7 +55,6 @@ use crate::{
     settings::{self, SettingsFile},
 };
 
-pub(crate) use advise::{Advise, ChosenRows};
 pub(crate) use answering::Answering;
 #[cfg(feature = "opcua")]
 pub(crate) use bridge_opcua::OpcUa;
@@ -69,13 +65,14 @@ pub(crate) use diff::Diff;
 pub(crate) use identify::Identify;
 pub(crate) use log_reading::LogReading;
 pub(crate) use model::{Fk, Ik, OutputFormat, Robot, Schema, ToolAndBase};
-pub(crate) use optimise::Optimise;
-pub(crate) use order::OrderTasks;
-pub(crate) use place::PlaceRobot;
 pub(crate) use plan::{Plan, Timing};
 pub(crate) use report::Report;
 pub(crate) use ros::RosNaming;
-pub(crate) use search_options::{SceneOptions, SearchInput, SearchOptions, SearchOutput};
+#[cfg(feature = "optimise")]
+pub(crate) use search::{
+    Advise, ChosenRows, Optimise, OrderTasks, PlaceRobot, SceneOptions, SearchInput, SearchOptions,
+    SearchOutput,
+};
 pub(crate) use shell::{Completions, Man};
 pub(crate) use urdf::Urdf;
 pub(crate) use validate::Validate;
@@ -193,10 +190,9 @@ pub(crate) enum CliCommand {
     Plan(Plan),
     Compare(Compare),
     Diff(Diff),
-    Advise(Advise),
-    Optimise(Optimise),
-    Order(OrderTasks),
-    Place(PlaceRobot),
+    #[cfg(feature = "optimise")]
+    #[command(flatten)]
+    Search(Search),
     Report(Report),
     Identify(Identify),
     Validate(Validate),
@@ -215,6 +211,15 @@ pub(crate) enum CliCommand {
     Schema(Schema),
     Completions(Completions),
     Man(Man),
+}
+
+#[cfg(feature = "optimise")]
+#[derive(Debug, Subcommand)]
+pub(crate) enum Search {
+    Advise(Advise),
+    Optimise(Optimise),
+    Order(OrderTasks),
+    Place(PlaceRobot),
 }
 
 #[cfg(feature = "live")]

@@ -1,6 +1,5 @@
 //! One file per command; commands of an optional feature share a folder.
 
-pub(crate) mod advise;
 #[cfg(feature = "bridge")]
 pub(crate) mod brokers;
 pub(crate) mod compare;
@@ -12,13 +11,12 @@ pub(crate) mod ik;
 #[cfg(feature = "live")]
 pub(crate) mod live;
 pub(crate) mod man;
-pub(crate) mod optimise;
-pub(crate) mod order;
-pub(crate) mod place;
 pub(crate) mod plan;
 pub(crate) mod report;
 pub(crate) mod robot;
 pub(crate) mod schema;
+#[cfg(feature = "optimise")]
+pub(crate) mod search;
 #[cfg(feature = "sunrise")]
 pub(crate) mod sunrise;
 pub(crate) mod validate;

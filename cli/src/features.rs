@@ -13,6 +13,8 @@ pub(crate) struct Feature {
 
 pub(crate) const SUNRISE: Feature =
     Feature::new("sunrise", cfg!(feature = "sunrise"), &["import", "export"]);
+const OPTIMISE: Feature =
+    Feature::new("optimise", cfg!(feature = "optimise"), &["advise", "optimise", "order", "place"]);
 pub(crate) const PICTURES: Feature = Feature::new("pictures", cfg!(feature = "pictures"), &[]);
 pub(crate) const PARQUET: Feature = Feature::new("parquet", cfg!(feature = "parquet"), &[]);
 pub(crate) const BRIDGE: Feature =
@@ -32,9 +34,10 @@ const LIVE: &[&str] = &[
     "keygen",
 ];
 
-const FEATURES: [Feature; 7] = [
+const FEATURES: [Feature; 8] = [
     Feature::new("live", cfg!(feature = "live"), LIVE),
     SUNRISE,
+    OPTIMISE,
     PICTURES,
     PARQUET,
     BRIDGE,

@@ -79,7 +79,7 @@ pub(crate) fn usual_robot() -> Option<&'static str> {
 
 /// Returns the robot of programs and commands that name none.
 pub(crate) fn default_robot() -> Result<Robot, Failure> {
-    ROBOT.get().map_or_else(|| Ok(Robot::default()), |name| find_robot(name))
+    usual_robot().map_or_else(|| Ok(Robot::default()), find_robot)
 }
 
 /// Program with its name, and the request for its plan.

@@ -24,7 +24,6 @@ mod picture;
 mod progress;
 #[cfg(feature = "live")]
 mod runner;
-mod search;
 #[cfg(feature = "live")]
 mod service_log;
 mod settings;
@@ -74,10 +73,8 @@ fn run(command: CliCommand) -> Result<(), Failure> {
         CliCommand::Plan(options) => commands::plan::run(&options),
         CliCommand::Compare(options) => commands::compare::run(&options),
         CliCommand::Diff(options) => commands::diff::run(&options),
-        CliCommand::Advise(options) => commands::advise::run(&options),
-        CliCommand::Optimise(options) => commands::optimise::run(&options),
-        CliCommand::Order(options) => commands::order::run(&options),
-        CliCommand::Place(options) => commands::place::run(&options),
+        #[cfg(feature = "optimise")]
+        CliCommand::Search(command) => commands::search::run(command),
         CliCommand::Validate(options) => commands::validate::run(&options),
         CliCommand::Report(options) => commands::report::run(&options),
         CliCommand::Identify(options) => commands::identify::run(&options),

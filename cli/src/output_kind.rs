@@ -22,6 +22,10 @@ pub(crate) enum OutputKind {
     #[cfg(feature = "live")]
     Recording,
     Profile,
+    #[cfg_attr(
+        not(any(feature = "optimise", feature = "sunrise")),
+        expect(dead_code, reason = "searches and imports write programs")
+    )]
     Program,
     #[cfg(feature = "sunrise")]
     Frames,

@@ -30,6 +30,7 @@ impl Progress {
     }
 
     /// Progress of a search, with an unknown number of plans.
+    #[cfg(feature = "optimise")]
     pub(crate) fn of_search() -> Self {
         Self::new(0, "{spinner} {pos} plans compared, {elapsed}")
     }

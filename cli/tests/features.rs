@@ -6,9 +6,10 @@ use tempfile::tempdir;
 use crate::{helpers::fixture, run::iiwasim};
 
 /// Features, `true` if the tests are built with them, and their commands.
-const FEATURES: [(&str, bool, &[&str]); 7] = [
+const FEATURES: [(&str, bool, &[&str]); 8] = [
     ("live", cfg!(feature = "live"), &["run", "experiment", "twin", "drive", "cabinet", "stop"]),
     ("sunrise", cfg!(feature = "sunrise"), &["import", "export"]),
+    ("optimise", cfg!(feature = "optimise"), &["advise", "optimise", "order", "place"]),
     ("pictures", cfg!(feature = "pictures"), &[]),
     ("parquet", cfg!(feature = "parquet"), &[]),
     ("bridge", cfg!(feature = "bridge"), &["bridge", "replay", "history"]),

@@ -1,5 +1,6 @@
 //! Tests of the command as a process: its options, output, files and exit codes.
 
+#[cfg(feature = "optimise")]
 mod advise;
 mod carried_shapes;
 mod compare;
@@ -23,11 +24,14 @@ mod kinematics;
 mod link;
 mod log_reading;
 mod many;
+#[cfg(feature = "optimise")]
 mod optimise;
+#[cfg(feature = "optimise")]
 mod order;
 mod outputs;
 mod overlap;
 mod pipes;
+#[cfg(feature = "optimise")]
 mod place;
 mod plan;
 mod plan_statements;

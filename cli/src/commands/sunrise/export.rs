@@ -58,6 +58,7 @@ pub(crate) fn run(options: &Export) -> Result<(), Failure> {
 }
 
 /// Checks that a program can be exported.
+#[cfg(feature = "optimise")]
 pub(crate) fn check(input: &Input, robot: &Robot) -> Result<(), Failure> {
     let how = ExportOptions { name: "motion program".to_owned(), class: None };
     let project = ExportedProject::new(&input.source.program, robot, &how);

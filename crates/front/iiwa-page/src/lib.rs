@@ -13,6 +13,7 @@ mod arm_look;
 mod nearest;
 mod page;
 mod page_error;
+#[cfg(feature = "optimise")]
 mod pair;
 mod report;
 mod twin;
@@ -20,6 +21,7 @@ mod twin;
 pub use nearest::{Nearest, NearestPlaces};
 pub use page::ArmSource;
 pub use page_error::PageError;
+#[cfg(feature = "optimise")]
 pub use pair::pair_page;
 pub use report::{Extent, Page, PageOptions};
 pub use twin::{TwinRobot, TwinSetup, twin_page};

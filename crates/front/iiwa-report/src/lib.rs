@@ -12,9 +12,7 @@
 //!   [`ImportReport`], [`OptimumReport`], [`OrderReport`], [`PlaceReport`], [`plan_table`] and
 //!   [`Summary`] format results as text and tables.
 
-mod advice_report;
 mod causes;
-mod change_rows;
 mod comparison_report;
 mod difference_clearance;
 mod difference_groups;
@@ -28,14 +26,13 @@ mod identification_report;
 #[cfg(feature = "sunrise")]
 mod import_report;
 mod markdown;
-mod optimum_report;
-mod order_report;
 mod picture;
-mod place_report;
 mod plan_clearance;
 mod plan_table;
 mod robot_sheet;
 mod run_report;
+#[cfg(feature = "optimise")]
+mod search;
 mod signed;
 mod stated_time;
 mod summary;
@@ -43,9 +40,7 @@ mod table;
 mod validation_report;
 mod warning;
 
-pub use advice_report::AdviceReport;
 pub use causes::with_causes;
-pub use change_rows::ChangeTable;
 pub use comparison_report::ComparisonReport;
 pub use difference_report::DifferenceReport;
 pub use difference_summary::{DifferenceSummary, ProgramDifference};
@@ -59,14 +54,15 @@ pub use experiment::{
 pub use identification_report::IdentificationReport;
 #[cfg(feature = "sunrise")]
 pub use import_report::ImportReport;
-pub use optimum_report::OptimumReport;
-pub use order_report::OrderReport;
-pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison, draw_places};
-pub use place_report::PlaceReport;
+#[cfg(feature = "optimise")]
+pub use picture::draw_places;
+pub use picture::{PictureError, PictureFormat, PlanPicture, draw_comparison};
 pub use plan_clearance::{add_clearances, carried};
 pub use plan_table::{assumption_lines, plan_table};
 pub use robot_sheet::{robot_sheet, robots_table, rounded};
 pub use run_report::RunReport;
+#[cfg(feature = "optimise")]
+pub use search::{AdviceReport, ChangeTable, OptimumReport, OrderReport, PlaceReport};
 pub use summary::{PlannedTimes, Summary, SummaryRow};
 pub use table::{fitted, table};
 pub use validation_report::ValidationReport;

@@ -4,6 +4,7 @@ mod comparison;
 mod format;
 mod key;
 mod picture_error;
+#[cfg(feature = "optimise")]
 mod place_map;
 mod plan;
 #[cfg(feature = "png-pdf")]
@@ -18,6 +19,7 @@ use plotters::{
 pub use comparison::draw as draw_comparison;
 pub use format::PictureFormat;
 pub use picture_error::PictureError;
+#[cfg(feature = "optimise")]
 pub use place_map::draw as draw_places;
 pub use plan::PlanPicture;
 

@@ -28,6 +28,7 @@
 //! | `parquet` | in `log` | trajectories as Parquet tables, recordings from Parquet |
 //! | `eval` | `eval` | plans compared with recordings, robots identified from recordings |
 //! | `experiments` | in `eval`, `report` | experiments that identify a robot, a virtual robot, reports |
+//! | `optimise` | `optimise`, in `report` and `page` | searches for faster programs, reports and pages of them |
 //! | `fri` | `fri` | KUKA's Fast Robot Interface |
 //! | `link` | `link` | the client of a drive |
 //! | `drive` | `drive` | the drive |

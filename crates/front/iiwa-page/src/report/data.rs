@@ -398,6 +398,19 @@ impl Page {
         }
     }
 
+    /// Assembles the page as HTML, with its style, scripts and data.
+    ///
+    /// # Errors
+    ///
+    /// [`PageError::Json`].
+    pub fn html(&self) -> Result<String, PageError> {
+        page::assemble(include_str!("page.html"), &PARTS, &self.title, self)
+    }
+}
+
+/// What a page of two plans needs from the page of each.
+#[cfg(feature = "optimise")]
+impl Page {
     /// End of the motion in the first file, in s.
     pub(crate) fn end_s(&self) -> f64 {
         self.arms.first().map_or(0.0, |arm| arm.end_s)
@@ -406,15 +419,6 @@ impl Page {
     /// Pieces of the plan, in the order of time.
     pub(crate) fn pieces(&self) -> &[PlanPiece] {
         &self.pieces
-    }
-
-    /// Assembles the page as HTML, with its style, scripts and data.
-    ///
-    /// # Errors
-    ///
-    /// [`PageError::Json`].
-    pub fn html(&self) -> Result<String, PageError> {
-        page::assemble(include_str!("page.html"), &PARTS, &self.title, self)
     }
 }
 

@@ -12,7 +12,7 @@ use super::{
     key::{LegendSign, title_and_legend},
     mesh, shade, svg,
 };
-use crate::{PictureError, PlaceReport, place_report::PlaceRow, signed::rounded};
+use crate::{PictureError, PlaceReport, search::PlaceRow, signed::rounded};
 
 /// Largest number of places along an axis with which cycle times are written into the map.
 const MOST_WRITTEN: usize = 12;

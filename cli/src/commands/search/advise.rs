@@ -4,12 +4,12 @@ use iiwa_optimise::{Advice, Freedom};
 use iiwa_program::Program;
 use iiwa_report::AdviceReport;
 
+use super::SearchedProgram;
 use crate::{
     args::{Advise, ChosenRows},
     failure::{Failure, print_note},
     output,
     output_kind::OutputKind,
-    search::SearchedProgram,
     terminal,
 };
 

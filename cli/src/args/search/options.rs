@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Answering, Timing, values::at_least_0};
+use crate::args::{Answering, Timing, values::at_least_0};
 
 /// Program that a search plans, and how.
 #[derive(Args, Debug)]

@@ -4,14 +4,8 @@ use iiwa_optimise::{Place, PlaceGrid};
 use iiwa_report::{PlaceReport, draw_places};
 use iiwa_traj::Trajectory;
 
-use crate::{
-    args::PlaceRobot,
-    failure::Failure,
-    output,
-    output_kind::OutputKind,
-    picture,
-    search::{PathRule, SearchedProgram},
-};
+use super::{PathRule, SearchedProgram};
+use crate::{args::PlaceRobot, failure::Failure, output, output_kind::OutputKind, picture};
 
 /// Prints the cycle times with the robot at other places, and writes the program for the best one.
 pub(crate) fn run(options: &PlaceRobot) -> Result<(), Failure> {

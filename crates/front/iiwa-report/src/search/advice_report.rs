@@ -7,7 +7,7 @@ use iiwa_program::Program;
 use serde::Serialize;
 
 use crate::{
-    change_rows::{ChangeColumns, ChangeEntry, NOT_CHECKED},
+    search::change_rows::{ChangeColumns, ChangeEntry, NOT_CHECKED},
     signed::rounded,
     table::{fitted, table},
 };

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use iiwa_optimise::PlaceGrid;
 
-use super::{SceneOptions, SearchInput, SearchOutput, values::number};
+use super::{SceneOptions, SearchInput, SearchOutput};
+use crate::args::values::number;
 
 /// Find the robot base position at which a program is fastest.
 ///

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::{
     DifferenceReport,
-    change_rows::{ChangeColumns, ChangeEntry, ChangeTable, NOT_CHECKED},
+    search::change_rows::{ChangeColumns, ChangeEntry, ChangeTable, NOT_CHECKED},
     signed::rounded,
     table::{fitted, table},
 };

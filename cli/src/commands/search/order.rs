@@ -5,7 +5,8 @@ use iiwa_report::OrderReport;
 use iiwa_scene::CarriedBodies;
 use iiwa_traj::Trajectory;
 
-use crate::{args::OrderTasks, failure::Failure, search::SearchedProgram};
+use super::SearchedProgram;
+use crate::{args::OrderTasks, failure::Failure};
 
 /// Tasks in a program.
 const EXAMPLE: &str = r#""tasks": [{ "group": "left" }, { "group": "right", "after": ["left"] }]"#;

@@ -8,13 +8,13 @@ use iiwa_optimise::{Freedom, Optimum};
 use iiwa_page::{Page, PageOptions, pair_page};
 use iiwa_report::{DifferenceReport, OptimumReport};
 
+use super::SearchedProgram;
 use crate::{
     args::Optimise,
     failure::{Failure, print_note},
     input::Input,
     output,
     output_kind::OutputKind,
-    search::SearchedProgram,
     terminal,
 };
 

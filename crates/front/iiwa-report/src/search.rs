@@ -1,0 +1,16 @@
+//! Changes that make a program faster, orders of tasks, and places of the robot (feature
+//! `optimise`).
+
+mod advice_report;
+mod change_rows;
+mod optimum_report;
+mod order_report;
+mod place_report;
+
+pub use advice_report::AdviceReport;
+pub use change_rows::ChangeTable;
+pub use optimum_report::OptimumReport;
+pub use order_report::OrderReport;
+pub use place_report::PlaceReport;
+
+pub(crate) use place_report::PlaceRow;
