@@ -10,7 +10,7 @@
 //! | behind, but with a later time stamp | restarted |
 //! | more than 1000 behind | restarted |
 //! | more than 20 behind, with a counter below 1000, in `Idle` or `MonitoringWait` | restarted |
-//! | more than 1000 ahead, but with a counter below 1000 and below the latest counter, in `Idle` or `MonitoringWait` | restarted |
+//! | more than 1000 ahead, but with a counter below 1000, in `Idle` or `MonitoringWait` | restarted |
 //! | the twentieth in a row behind the latest one, each ahead of its predecessor | restarted |
 //! | otherwise behind, or with the same counter | late |
 
@@ -199,7 +199,7 @@ impl FriClient {
         let opening =
             message.session <= SessionState::MonitoringWait && message.sequence < YOUNG_COUNTER;
         if by > 0 {
-            if opening && by > LATE_WINDOW && message.sequence < latest.sequence {
+            if opening && by > LATE_WINDOW {
                 return Received::Restarted;
             }
             return Received::New;
@@ -414,6 +414,30 @@ mod tests {
         // Half of the counter's range ago, and more.
         assert_eq!(after(3_000_000_000, &message(0, MonitoringWait)), Restarted);
         assert_eq!(after(2_000_000_000, &message(0, MonitoringWait)), Restarted);
+    }
+
+    #[test]
+    fn restarts_are_told_from_delays_at_the_documented_distances() {
+        let received = |latest, (sequence, session)| {
+            let mut client = FriClient::default();
+            client.accept(message(latest, MonitoringReady));
+            client.classify(&message(sequence, session))
+        };
+        for (latest, first, second, expected) in [
+            // 1000 behind, and 1001.
+            (5000, (4000, MonitoringReady), (3999, MonitoringReady), Late),
+            // 20 behind, and 21; in other states of the session.
+            (500, (480, MonitoringWait), (479, MonitoringWait), Late),
+            (500, (480, Idle), (479, Idle), Late),
+            (500, (479, MonitoringReady), (479, MonitoringWait), Late),
+            // A counter of 1000, and of 999.
+            (1100, (1000, MonitoringWait), (999, MonitoringWait), Late),
+            // 1000 ahead, and 1001.
+            (u32::MAX - 500, (499, MonitoringWait), (500, MonitoringWait), New),
+        ] {
+            assert_eq!(received(latest, first), expected, "{first:?} after {latest}");
+            assert_eq!(received(latest, second), Restarted, "{second:?} after {latest}");
+        }
     }
 
     #[test]

@@ -110,10 +110,13 @@ fn an_answer_counts_until_the_tick_after_next() {
 #[test]
 fn old_answers_are_ignored_and_restarted_clients_are_not() {
     let mut controller = Controller::default();
+    assert_eq!(controller.answered(), None);
     run(&mut controller, 30, |_| true);
     tick(&mut controller);
     assert!(!answer(&mut controller, 29, 30), "repeated");
+    assert_eq!(controller.answered(), Some(29));
     assert!(answer(&mut controller, 35, 30));
+    assert_eq!(controller.answered(), Some(30));
     tick(&mut controller);
     assert!(!answer(&mut controller, 36, 29), "reflects an older message");
     assert!(!answer(&mut controller, 34, 30), "older by its own counter");
