@@ -408,7 +408,7 @@ impl Page {
     }
 }
 
-/// What a page of two plans needs from the page of each.
+/// Data of the page for a page of two plans.
 #[cfg(feature = "optimise")]
 impl Page {
     /// End of the motion in the first file, in s.
