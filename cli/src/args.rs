@@ -192,7 +192,7 @@ pub(crate) enum CliCommand {
     Diff(Diff),
     #[cfg(feature = "optimise")]
     #[command(flatten)]
-    Search(Search),
+    Search(SearchCommand),
     Report(Report),
     Identify(Identify),
     Validate(Validate),
@@ -215,7 +215,7 @@ pub(crate) enum CliCommand {
 
 #[cfg(feature = "optimise")]
 #[derive(Debug, Subcommand)]
-pub(crate) enum Search {
+pub(crate) enum SearchCommand {
     Advise(Advise),
     Optimise(Optimise),
     Order(OrderTasks),

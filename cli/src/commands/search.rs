@@ -6,15 +6,15 @@ mod order;
 mod place;
 mod searched_program;
 
-use crate::{args::Search, failure::Failure};
+use crate::{args::SearchCommand, failure::Failure};
 
 use searched_program::{PathRule, SearchedProgram};
 
-pub(crate) fn run(command: Search) -> Result<(), Failure> {
+pub(crate) fn run(command: SearchCommand) -> Result<(), Failure> {
     match command {
-        Search::Advise(options) => advise::run(&options),
-        Search::Optimise(options) => optimise::run(&options),
-        Search::Order(options) => order::run(&options),
-        Search::Place(options) => place::run(&options),
+        SearchCommand::Advise(options) => advise::run(&options),
+        SearchCommand::Optimise(options) => optimise::run(&options),
+        SearchCommand::Order(options) => order::run(&options),
+        SearchCommand::Place(options) => place::run(&options),
     }
 }
