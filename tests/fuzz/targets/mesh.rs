@@ -4,7 +4,7 @@
 
 use iiwa_kin::Robot;
 use iiwa_scene::{
-    ArmInScene, ConvexHull, Form, Obstacle, Patch, Scene, ToolForm, ToolShape, TriangleMesh,
+    ArmInScene, ConvexHull, Form, Obstacle, Patch, Scene, ToolShape, TriangleMesh,
 };
 use libfuzzer_sys::fuzz_target;
 
@@ -28,8 +28,8 @@ fuzz_target!(|file: &[u8]| {
     let form =
         Form::Box { center_m: [0.5, 0.1, 0.6], size_m: [0.2, 0.1, 0.4], rpy_rad: [0.1, 0.2, 0.3] };
     let scene = Scene::new(vec![Obstacle { name: "post".to_owned(), form }]).expect("a good scene");
-    let tool = ToolForm::Mesh { hull, origin_m: [0.0; 3], rpy_rad: [0.0; 3] };
-    let scene = scene.with_tool(vec![ToolShape { form: tool }]).expect("a good tool");
+    let tool = ToolShape::Mesh { hull, origin_m: [0.0; 3], rpy_rad: [0.0; 3] };
+    let scene = scene.with_tool(vec![tool]).expect("a good tool");
     let arm = ArmInScene::new(&Robot::lbr_iiwa_7_r800(), &scene);
     let clearance = arm.clearance(&[0.3, 1.2, -0.4, -1.9, 0.8, 1.1, 2.0]).expect("there is a post");
     assert!(clearance.distance_m >= 0.0);

@@ -11,7 +11,7 @@ use crate::{
     links::{FIRST_LINK, TOOL},
     polyhedron::Polyhedron,
     rotation::rotation,
-    tool::{ToolForm, ToolShape},
+    tool::ToolShape,
 };
 
 /// Last link, which carries the tool.
@@ -167,18 +167,18 @@ pub(crate) fn carried_parts(robot: &Robot, body: &CarriedBody) -> impl Iterator<
 pub(crate) fn tool_parts(robot: &Robot, tool: &[ToolShape]) -> Vec<ArmPart> {
     let d = robot.dh().map(|row| row.d_m);
     let part = |shape: &ToolShape| {
-        let (center_m, rpy_rad, form) = match shape.form {
-            ToolForm::Box { center_m, size_m, rpy_rad } => {
+        let (center_m, rpy_rad, form) = match *shape {
+            ToolShape::Box { center_m, size_m, rpy_rad } => {
                 let half = 0.5 * Vector::from(size_m);
                 (center_m, rpy_rad, Volume::Box { sides: [Vector::X, Vector::Y], half })
             }
-            ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+            ToolShape::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
                 (center_m, rpy_rad, Volume::Cylinder { radius: radius_m, half: 0.5 * length_m })
             }
-            ToolForm::Sphere { center_m, radius_m } => {
+            ToolShape::Sphere { center_m, radius_m } => {
                 (center_m, [0.0; 3], Volume::Ball { radius: radius_m })
             }
-            ToolForm::Mesh { ref hull, origin_m, rpy_rad } => {
+            ToolShape::Mesh { ref hull, origin_m, rpy_rad } => {
                 let (hull, center) = Polyhedron::new(hull);
                 let rows = rotation(rpy_rad).map(Vector::from);
                 let center = Vector::from(origin_m) + Vector::from(rows.map(|row| row.dot(center)));

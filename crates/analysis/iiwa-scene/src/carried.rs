@@ -11,7 +11,7 @@ use iiwa_program::{LoadShape, Motion, MotionIndex, Program, ShapesFrom, motion_p
 use crate::{
     hull::ConvexHull,
     links::{TOOL, WORKPIECE},
-    tool::{ToolForm, ToolShape},
+    tool::ToolShape,
 };
 
 /// Shapes at the flange during each motion of a program: those of its tools and of the workpieces
@@ -156,8 +156,8 @@ impl CarriedBodies {
                 return Ok(Some(*index));
             }
             let shapes = of.shapes.iter().enumerate().map(|(index, shape)| {
-                let form = form(shape, &mut hulls, &mut read);
-                let form = form.map_err(|(file, reason)| CarriedMeshError {
+                let shape = tool_shape(shape, &mut hulls, &mut read);
+                shape.map_err(|(file, reason)| CarriedMeshError {
                     owner: match (of.tool, of.motion) {
                         (Some(name), _) => ShapeOwner::Tool(name.to_owned()),
                         (None, motion) => ShapeOwner::Motion(motion.unwrap_or_default()),
@@ -165,8 +165,7 @@ impl CarriedBodies {
                     shape: index,
                     file,
                     reason,
-                });
-                form.map(|form| ToolShape { form })
+                })
             });
             bodies.push(CarriedBody { part, shapes: shapes.collect::<Result<_, _>>()? });
             similar.push((of.shapes, bodies.len() - 1));
@@ -259,28 +258,28 @@ fn numbers(shapes: &[LoadShape]) -> Vec<u64> {
     shapes.iter().flat_map(of_shape).map(f64::to_bits).collect()
 }
 
-/// Returns the form of a shape; the error is the mesh file and the reason.
-fn form<'a>(
+/// Converts a shape; the error is the mesh file and the reason.
+fn tool_shape<'a>(
     shape: &'a LoadShape,
     hulls: &mut Hulls<'a>,
     read: &mut impl FnMut(&str) -> Result<Vec<u8>, String>,
-) -> Result<ToolForm, (String, String)> {
+) -> Result<ToolShape, (String, String)> {
     let in_m = |mm: &[f64; 3]| mm.map(|mm| mm / 1e3);
     let in_rad = |deg: &[f64; 3]| deg.map(f64::to_radians);
     Ok(match shape {
-        LoadShape::Box { center_mm, size_mm, rpy_deg } => ToolForm::Box {
+        LoadShape::Box { center_mm, size_mm, rpy_deg } => ToolShape::Box {
             center_m: in_m(center_mm),
             size_m: in_m(size_mm),
             rpy_rad: in_rad(rpy_deg),
         },
-        LoadShape::Cylinder { center_mm, radius_mm, length_mm, rpy_deg } => ToolForm::Cylinder {
+        LoadShape::Cylinder { center_mm, radius_mm, length_mm, rpy_deg } => ToolShape::Cylinder {
             center_m: in_m(center_mm),
             radius_m: radius_mm / 1e3,
             length_m: length_mm / 1e3,
             rpy_rad: in_rad(rpy_deg),
         },
         LoadShape::Sphere { center_mm, radius_mm } => {
-            ToolForm::Sphere { center_m: in_m(center_mm), radius_m: radius_mm / 1e3 }
+            ToolShape::Sphere { center_m: in_m(center_mm), radius_m: radius_mm / 1e3 }
         }
         LoadShape::Mesh { file, origin_mm, rpy_deg, scale } => {
             let wrong = |reason: String| (file.as_ref().to_owned(), reason);
@@ -294,7 +293,7 @@ fn form<'a>(
                     vacant.insert(hull).clone()
                 }
             };
-            ToolForm::Mesh { hull, origin_m: in_m(origin_mm), rpy_rad: in_rad(rpy_deg) }
+            ToolShape::Mesh { hull, origin_m: in_m(origin_mm), rpy_rad: in_rad(rpy_deg) }
         }
         other => {
             let reason = format!("shapes of the type {} are not known", other.type_name());

@@ -96,5 +96,5 @@ pub use patch::Patch;
 pub use planned::PlannedClearance;
 pub use scene::{Form, Obstacle, Scene};
 pub use surface::{SurfaceError, TriangleSurface};
-pub use tool::{ToolForm, ToolShape};
+pub use tool::ToolShape;
 pub use wire::SceneError;

@@ -10,14 +10,14 @@ use crate::{
 ///
 /// ```
 /// use iiwa_kin::Robot;
-/// use iiwa_scene::{ArmInScene, Form, Obstacle, Scene, ToolForm, ToolShape};
+/// use iiwa_scene::{ArmInScene, Form, Obstacle, Scene, ToolShape};
 ///
 /// let floor = Form::Plane { point_m: [0.0; 3], normal: [0.0, 0.0, 1.0] };
 /// let floor = Obstacle { name: "floor".to_owned(), form: floor };
-/// let rod = ToolForm::Cylinder {
+/// let rod = ToolShape::Cylinder {
 ///     center_m: [0.0, 0.0, 0.1], radius_m: 0.01, length_m: 0.2, rpy_rad: [0.0; 3],
 /// };
-/// let scene = Scene::new(vec![floor])?.with_tool(vec![ToolShape { form: rod }])?;
+/// let scene = Scene::new(vec![floor])?.with_tool(vec![rod])?;
 /// let robot = Robot::lbr_iiwa_7_r800();
 /// let down = [0.0, 0.5, 0.0, -1.5, 0.0, 1.141592653589793, 0.0];
 /// let clearance = ArmInScene::new(&robot, &scene).clearance(&down).expect("there is a floor");
@@ -28,15 +28,8 @@ use crate::{
 /// # Ok::<(), iiwa_scene::SceneFault>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct ToolShape {
-    /// Shape and pose.
-    pub form: ToolForm,
-}
-
-/// Geometry of a tool shape, and its pose in the flange frame.
-#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum ToolForm {
+pub enum ToolShape {
     /// Solid box.
     Box {
         /// Centre, in m.
@@ -91,21 +84,21 @@ impl ToolShape {
             within("rpy", turn, turns)
         };
         let size = [MIN_SIZE_M, MAX_M];
-        match &self.form {
-            ToolForm::Box { center_m, size_m, rpy_rad } => {
+        match self {
+            ToolShape::Box { center_m, size_m, rpy_rad } => {
                 place(center_m, rpy_rad)?;
                 within("size", size_m, size)
             }
-            ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+            ToolShape::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
                 place(center_m, rpy_rad)?;
                 within("radius", &[*radius_m], size)?;
                 within("length", &[*length_m], size)
             }
-            ToolForm::Sphere { center_m, radius_m } => {
+            ToolShape::Sphere { center_m, radius_m } => {
                 place(center_m, &[0.0; 3])?;
                 within("radius", &[*radius_m], size)
             }
-            ToolForm::Mesh { origin_m, rpy_rad, .. } => {
+            ToolShape::Mesh { origin_m, rpy_rad, .. } => {
                 within("origin", origin_m, [-MAX_M, MAX_M])?;
                 within("rpy", rpy_rad, turns)
             }

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_program::Program;
-use iiwa_scene::{ArmInScene, ConvexHull, Scene, ToolForm};
+use iiwa_scene::{ArmInScene, ConvexHull, Scene, ToolShape};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::fixture;
 
@@ -261,7 +261,7 @@ fn meshes_are_read_from_scenes() {
         Scene::from_json_with(&text, |_| Ok(binary_stl()))
     };
     let good = read(GOOD_MESH).unwrap();
-    let ToolForm::Mesh { hull, origin_m, .. } = &good.tool()[0].form else { panic!() };
+    let ToolShape::Mesh { hull, origin_m, .. } = &good.tool()[0] else { panic!() };
     assert_eq!(*origin_m, [0.0; 3]);
     assert_eq!((hull.corners_m().len(), hull.triangles().len()), (8, 12));
     assert!(hull.corners_m().contains(&[0.1, 0.0375, 0.055]));

@@ -9,7 +9,7 @@ use std::{
 };
 
 use iiwa_kin::{Pose, Robot};
-use iiwa_scene::{ArmInScene, Form, IgnoredPair, Obstacle, Scene, ToolForm, ToolShape};
+use iiwa_scene::{ArmInScene, Form, IgnoredPair, Obstacle, Scene, ToolShape};
 
 use crate::{
     common,
@@ -109,7 +109,7 @@ fn cell() -> Scene {
         ("lamp", Form::Sphere { center_m: [0.0, 0.5, 1.0], radius_m: 0.1 }),
     ];
     let obstacle = |(name, form): (&str, Form)| Obstacle { name: name.to_owned(), form };
-    let tool = ToolShape { form: ToolForm::Sphere { center_m: [0.0, 0.0, 0.1], radius_m: 0.05 } };
+    let tool = ToolShape::Sphere { center_m: [0.0, 0.0, 0.1], radius_m: 0.05 };
     let scene = Scene::new(forms.map(obstacle).to_vec()).unwrap().with_tool(vec![tool]).unwrap();
     scene.with_ignored(vec![IgnoredPair { link: 3, obstacle: 1 }]).unwrap()
 }

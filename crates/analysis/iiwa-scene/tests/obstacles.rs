@@ -9,8 +9,7 @@ use iiwa_kin::Robot;
 use iiwa_path::JointPath;
 use iiwa_program::Program;
 use iiwa_scene::{
-    ArmInScene, Form, Obstacle, Scene, SceneFault, SurfaceError, ToolForm, ToolShape,
-    TriangleSurface,
+    ArmInScene, Form, Obstacle, Scene, SceneFault, SurfaceError, ToolShape, TriangleSurface,
 };
 use iiwa_traj::{Timing, Trajectory};
 
@@ -39,9 +38,9 @@ fn scene(form: Form) -> Scene {
 /// the flange, with the flange at `flange_m` and the arm stretched out upwards.
 fn from_ball(form: impl Fn([f64; 3]) -> Form) -> f64 {
     let robot = Robot::lbr_iiwa_7_r800();
-    let ball = ToolForm::Sphere { center_m: [0.0, 0.0, 0.3], radius_m: 0.05 };
+    let ball = ToolShape::Sphere { center_m: [0.0, 0.0, 0.3], radius_m: 0.05 };
     let [x, y, z] = robot.flange_position(&[0.0; 7]);
-    let scene = scene(form([x, y, z + 0.3])).with_tool(vec![ToolShape { form: ball }]).unwrap();
+    let scene = scene(form([x, y, z + 0.3])).with_tool(vec![ball]).unwrap();
     let clearance = ArmInScene::new(&robot, &scene).clearance(&[0.0; 7]).unwrap();
     assert_eq!(clearance.link, 8, "{clearance:?}");
     clearance.distance_m

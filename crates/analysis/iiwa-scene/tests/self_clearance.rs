@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use iiwa_kin::{Along, Joints, Pose, Robot, Shape, Solid};
 use iiwa_path::JointPath;
 use iiwa_program::{Motion, Program, Ptp, Sources, Start, Workcell};
-use iiwa_scene::{ArmInScene, Form, Obstacle, Other, Scene, ToolForm, ToolShape};
+use iiwa_scene::{ArmInScene, Form, Obstacle, Other, Scene, ToolShape};
 use iiwa_traj::{Timing, Trajectory};
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 
@@ -181,14 +181,17 @@ fn plans_are_as_near_as_their_samples() {
     let robot = Robot::default();
     let mut random = fastrand::Rng::with_seed(7);
     let limits = robot.limits();
-    let hook =
-        ToolForm::Box { center_m: [0.25, 0.0, 0.02], size_m: [0.5, 0.04, 0.04], rpy_rad: [0.0; 3] };
+    let hook = ToolShape::Box {
+        center_m: [0.25, 0.0, 0.02],
+        size_m: [0.5, 0.04, 0.04],
+        rpy_rad: [0.0; 3],
+    };
     let (mut by_tool, mut touching) = (0, 0);
     for round in 0..60 {
         let mut pose = || limits.at_shares(&[(); 7].map(|()| 1.9 * (random.f64() - 0.5)));
         let plan = plan(pose(), &[pose(), pose()]);
         let scene = Scene::default();
-        let tool = vec![ToolShape { form: hook.clone() }];
+        let tool = vec![hook.clone()];
         let scene = if round % 2 == 0 { scene.with_tool(tool).unwrap() } else { scene };
         let arm = ArmInScene::new(&robot, &scene);
         let actual = arm.self_clearance_of(&plan).unwrap();

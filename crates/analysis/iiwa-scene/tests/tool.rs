@@ -6,7 +6,7 @@
 use iiwa_kin::{Joints, Robot};
 use iiwa_path::JointPath;
 use iiwa_program::Program;
-use iiwa_scene::{ArmInScene, ConvexHull, Form, Obstacle, Scene, ToolForm, ToolShape};
+use iiwa_scene::{ArmInScene, ConvexHull, Form, Obstacle, Scene, ToolShape};
 use iiwa_traj::{Timing, Trajectory};
 use iiwasim_tests::fixture;
 use nalgebra::{Rotation3, Vector3};
@@ -20,11 +20,11 @@ fn named(forms: &[Form]) -> Vec<Obstacle> {
 }
 
 /// Returns points on a tool shape, in the flange frame.
-fn points(form: &ToolForm) -> Vec<Vector3<f64>> {
+fn points(form: &ToolShape) -> Vec<Vector3<f64>> {
     let turned = |[roll, pitch, yaw]: [f64; 3]| Rotation3::from_euler_angles(roll, pitch, yaw);
     let steps = |n: u32| (0..=n).map(move |i| 2.0 * f64::from(i) / f64::from(n) - 1.0);
     match form.clone() {
-        ToolForm::Box { center_m, size_m, rpy_rad } => {
+        ToolShape::Box { center_m, size_m, rpy_rad } => {
             let mut points = Vec::new();
             for x in steps(8) {
                 for y in steps(8) {
@@ -37,7 +37,7 @@ fn points(form: &ToolForm) -> Vec<Vector3<f64>> {
             }
             points
         }
-        ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+        ToolShape::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
             let mut points = Vec::new();
             for i in 0..64 {
                 let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 64.0).sin_cos();
@@ -48,7 +48,7 @@ fn points(form: &ToolForm) -> Vec<Vector3<f64>> {
             }
             points
         }
-        ToolForm::Mesh { hull, origin_m, rpy_rad } => {
+        ToolShape::Mesh { hull, origin_m, rpy_rad } => {
             let at = |corner: u32| Vector3::from(hull.corners_m()[corner as usize]);
             let mut points = Vec::new();
             for triangle in hull.triangles() {
@@ -99,16 +99,16 @@ fn it_is_as_near_as_its_points() {
         let form = match round % 3 {
             0 => {
                 let size_m = [(); 3].map(|()| between(0.02, 0.2));
-                ToolForm::Box { center_m, size_m, rpy_rad }
+                ToolShape::Box { center_m, size_m, rpy_rad }
             }
             1 => {
                 let [radius_m, length_m] = [between(0.01, 0.05), between(0.05, 0.3)];
-                ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad }
+                ToolShape::Cylinder { center_m, radius_m, length_m, rpy_rad }
             }
             _ => {
                 let point = |_| [(); 3].map(|()| between(-0.1, 0.1));
                 let hull = ConvexHull::new((0..5 + round).map(point)).unwrap();
-                ToolForm::Mesh { hull, origin_m: center_m, rpy_rad }
+                ToolShape::Mesh { hull, origin_m: center_m, rpy_rad }
             }
         };
         let obstacles = [
@@ -122,7 +122,7 @@ fn it_is_as_near_as_its_points() {
         let q: Joints = robot.limits().at_shares(&[(); 7].map(|()| between(-0.9, 0.9)));
         let scene = Scene::new(named(&obstacles)).unwrap();
         let bare = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
-        let scene = scene.with_tool(vec![ToolShape { form: form.clone() }]).unwrap();
+        let scene = scene.with_tool(vec![form.clone()]).unwrap();
         let actual = ArmInScene::new(&robot, &scene).clearance(&q).unwrap();
         assert!(actual.distance_m <= bare.distance_m + 1e-9);
         let flange = robot.flange_pose(&q).to_isometry();

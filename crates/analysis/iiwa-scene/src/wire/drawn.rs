@@ -6,7 +6,7 @@ use crate::{
     carried::CarriedBodies,
     rotation::{rotation, unit},
     scene::{Form, Obstacle, Scene},
-    tool::{ToolForm, ToolShape},
+    tool::ToolShape,
 };
 
 #[derive(Serialize)]
@@ -87,18 +87,18 @@ impl<'a> From<&'a Obstacle> for DrawnObstacle<'a> {
 
 impl<'a> From<&'a ToolShape> for DrawnObstacle<'a> {
     fn from(shape: &'a ToolShape) -> Self {
-        match shape.form {
-            ToolForm::Box { center_m, size_m, rpy_rad } => {
+        match *shape {
+            ToolShape::Box { center_m, size_m, rpy_rad } => {
                 Self::Box { name: None, center_m, size_m, rotation: rows(rpy_rad) }
             }
-            ToolForm::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
+            ToolShape::Cylinder { center_m, radius_m, length_m, rpy_rad } => {
                 let rotation = rows(rpy_rad);
                 Self::Cylinder { name: None, center_m, radius_m, length_m, rotation }
             }
-            ToolForm::Sphere { center_m, radius_m } => {
+            ToolShape::Sphere { center_m, radius_m } => {
                 Self::Sphere { name: None, center_m, radius_m }
             }
-            ToolForm::Mesh { ref hull, origin_m, rpy_rad } => Self::Hull {
+            ToolShape::Mesh { ref hull, origin_m, rpy_rad } => Self::Hull {
                 origin_m,
                 rotation: rows(rpy_rad),
                 corners_m: rounded(hull.corners_m()),

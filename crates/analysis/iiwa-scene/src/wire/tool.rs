@@ -9,10 +9,7 @@ use super::{
     mesh::{MAX_SCALE, MIN_SCALE, NamedMesh, ReadFile, one},
     numbers::{angle, from_mm, position, size, three},
 };
-use crate::{
-    hull::ConvexHull,
-    tool::{ToolForm, ToolShape},
-};
+use crate::{hull::ConvexHull, tool::ToolShape};
 
 /// A shape of the tool, in the frame of the flange: z out of the flange.
 #[derive(JsonSchema)]
@@ -127,7 +124,7 @@ pub(super) struct ToolMeshWire {
     scale: f64,
 }
 
-impl From<ToolBoxWire> for ToolForm {
+impl From<ToolBoxWire> for ToolShape {
     fn from(wire: ToolBoxWire) -> Self {
         Self::Box {
             center_m: wire.center_mm.map(from_mm),
@@ -137,7 +134,7 @@ impl From<ToolBoxWire> for ToolForm {
     }
 }
 
-impl From<ToolCylinderWire> for ToolForm {
+impl From<ToolCylinderWire> for ToolShape {
     fn from(wire: ToolCylinderWire) -> Self {
         Self::Cylinder {
             center_m: wire.center_mm.map(from_mm),
@@ -148,7 +145,7 @@ impl From<ToolCylinderWire> for ToolForm {
     }
 }
 
-impl From<ToolSphereWire> for ToolForm {
+impl From<ToolSphereWire> for ToolShape {
     fn from(wire: ToolSphereWire) -> Self {
         Self::Sphere { center_m: wire.center_mm.map(from_mm), radius_m: from_mm(wire.radius_mm) }
     }
@@ -175,7 +172,7 @@ pub(super) fn tool_shape(
         let path = path.into_iter().chain(key.map(JsonStep::Key)).collect::<Vec<_>>();
         prefixed(SceneError::Json { message, obstacle: None, place: locate(text, &path) })
     };
-    let form = match tag(raw).map_err(fail)?.as_deref() {
+    let shape = match tag(raw).map_err(fail)?.as_deref() {
         Some("box") => serde_json::from_str::<JsonObject<ToolBoxWire>>(raw).map_err(fail)?.0.into(),
         Some("cylinder") => {
             serde_json::from_str::<JsonObject<ToolCylinderWire>>(raw).map_err(fail)?.0.into()
@@ -192,13 +189,13 @@ pub(super) fn tool_shape(
         }
         None => return Err(wrong(format!("it has no `type`; {}", are_known(&KNOWN_TYPES)), None)),
     };
-    Ok(ToolShape { form })
+    Ok(shape)
 }
 
 /// Reads the mesh of a shape; the error contains the key that it belongs to.
-fn mesh(wire: &ToolMeshWire, read: ReadFile<'_>) -> Result<ToolForm, (&'static str, String)> {
+fn mesh(wire: &ToolMeshWire, read: ReadFile<'_>) -> Result<ToolShape, (&'static str, String)> {
     let named = NamedMesh { file: &wire.file, scale: wire.scale };
-    Ok(ToolForm::Mesh {
+    Ok(ToolShape::Mesh {
         hull: named.read(read, ConvexHull::from_mesh)?,
         origin_m: wire.origin_mm.map(from_mm),
         rpy_rad: wire.rpy_deg.map(f64::to_radians),
