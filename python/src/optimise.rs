@@ -20,19 +20,8 @@ use crate::{
 /// >>> motions = [iw.ptp(deg=[30] + [0] * 6), iw.ptp(deg=[30, 20] + [0] * 5)]
 /// >>> iw.optimise(iw.Program(motions, start_deg=[0] * 7), free=['blends'])
 /// <iiwasim.Optimum ... -> ... s, 1 change>
-#[pyclass(frozen, module = "iiwasim")]
+#[pyclass(frozen, get_all, module = "iiwasim")]
 pub(crate) struct Optimum {
-    program: Py<Program>,
-    cycle_time_s: f64,
-    changed_cycle_time_s: f64,
-    changes: Vec<String>,
-    plans: u64,
-    lower_bound_s: Option<f64>,
-    complete: bool,
-}
-
-#[pymethods]
-impl Optimum {
     /// The changed program; without changes, equal to the given one.
     ///
     /// >>> import iiwasim as iw
@@ -40,11 +29,7 @@ impl Optimum {
     /// >>> program = iw.Program(motions, start_deg=[0] * 7)
     /// >>> iw.optimise(program, free=['blends']).program
     /// <iiwasim.Program 2 motions, lbr_iiwa_7_r800>
-    #[getter]
-    fn program(&self, py: Python<'_>) -> Py<Program> {
-        self.program.clone_ref(py)
-    }
-
+    program: Py<Program>,
     /// The cycle time of the given program.
     ///
     /// >>> import iiwasim as iw
@@ -52,11 +37,7 @@ impl Optimum {
     /// >>> program = iw.Program(motions, start_deg=[0] * 7)
     /// >>> iw.optimise(program, free=['blends']).cycle_time_s > 1
     /// True
-    #[getter]
-    fn cycle_time_s(&self) -> f64 {
-        self.cycle_time_s
-    }
-
+    cycle_time_s: f64,
     /// The cycle time of the changed program.
     ///
     /// >>> import iiwasim as iw
@@ -65,11 +46,7 @@ impl Optimum {
     /// >>> optimum = iw.optimise(program, free=['blends'])
     /// >>> optimum.changed_cycle_time_s < optimum.cycle_time_s
     /// True
-    #[getter]
-    fn changed_cycle_time_s(&self) -> f64 {
-        self.changed_cycle_time_s
-    }
-
+    changed_cycle_time_s: f64,
     /// A line of text for each change.
     ///
     /// >>> import iiwasim as iw
@@ -77,11 +54,7 @@ impl Optimum {
     /// >>> program = iw.Program(motions, start_deg=[0] * 7)
     /// >>> iw.optimise(program, free=['blends']).changes
     /// ['motion 1: stop -> blend 50 mm']
-    #[getter]
-    fn changes(&self) -> Vec<String> {
-        self.changes.clone()
-    }
-
+    changes: Vec<String>,
     /// The number of plans that were compared.
     ///
     /// >>> import iiwasim as iw
@@ -89,11 +62,7 @@ impl Optimum {
     /// >>> program = iw.Program(motions, start_deg=[0] * 7)
     /// >>> iw.optimise(program, free=['blends']).plans > 5
     /// True
-    #[getter]
-    fn plans(&self) -> u64 {
-        self.plans
-    }
-
+    plans: u64,
     /// Lower bound of the cycle time with any E1 in whole degrees from the given ones, or in larger
     /// steps in a long program; None if it is not known.
     ///
@@ -101,11 +70,7 @@ impl Optimum {
     /// >>> optimum = iw.optimise(iw.Program.load('fixtures/production/insert-a-peg.json'))
     /// >>> optimum.lower_bound_s <= optimum.changed_cycle_time_s < optimum.lower_bound_s + 0.002
     /// True
-    #[getter]
-    fn lower_bound_s(&self) -> Option<f64> {
-        self.lower_bound_s
-    }
-
+    lower_bound_s: Option<f64>,
     /// False if the budget ended the rounds of changes.
     ///
     /// >>> import iiwasim as iw
@@ -113,11 +78,11 @@ impl Optimum {
     /// >>> program = iw.Program(motions, start_deg=[0] * 7)
     /// >>> iw.optimise(program, free=['blends'], budget=1).complete
     /// False
-    #[getter]
-    fn complete(&self) -> bool {
-        self.complete
-    }
+    complete: bool,
+}
 
+#[pymethods]
+impl Optimum {
     fn __repr__(&self) -> String {
         let Self { cycle_time_s, changed_cycle_time_s, changes, .. } = self;
         let count = changes.len();

@@ -20,80 +20,50 @@ use crate::{
 /// >>> import iiwasim as iw
 /// >>> iw.order(iw.Program.load('fixtures/screws.json'))
 /// <iiwasim.TaskOrder ... -> ... s, 8 tasks>
-#[pyclass(frozen, module = "iiwasim")]
+#[pyclass(frozen, get_all, module = "iiwasim")]
 pub(crate) struct TaskOrder {
-    program: Py<Program>,
-    cycle_time_s: f64,
-    changed_cycle_time_s: f64,
-    tasks: Vec<String>,
-    plans: u64,
-    complete: bool,
-}
-
-#[pymethods]
-impl TaskOrder {
     /// The program with its tasks in this order.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.order(iw.Program.load('fixtures/screws.json')).program
     /// <iiwasim.Program 33 motions, lbr_iiwa_7_r800>
-    #[getter]
-    fn program(&self, py: Python<'_>) -> Py<Program> {
-        self.program.clone_ref(py)
-    }
-
+    program: Py<Program>,
     /// The cycle time of the given program.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program.load('fixtures/screws.json')
     /// >>> abs(iw.order(program).cycle_time_s - iw.plan(program).cycle_time_s) < 1e-9
     /// True
-    #[getter]
-    fn cycle_time_s(&self) -> f64 {
-        self.cycle_time_s
-    }
-
+    cycle_time_s: f64,
     /// The cycle time with the tasks in this order.
     ///
     /// >>> import iiwasim as iw
     /// >>> order = iw.order(iw.Program.load('fixtures/screws.json'))
     /// >>> order.changed_cycle_time_s < 0.96 * order.cycle_time_s
     /// True
-    #[getter]
-    fn changed_cycle_time_s(&self) -> f64 {
-        self.changed_cycle_time_s
-    }
-
+    changed_cycle_time_s: f64,
     /// The groups of the tasks, in this order.
     ///
     /// >>> import iiwasim as iw
     /// >>> sorted(iw.order(iw.Program.load('fixtures/screws.json')).tasks[:2])
     /// ['screw 1', 'screw 2']
-    #[getter]
-    fn tasks(&self) -> Vec<String> {
-        self.tasks.clone()
-    }
-
+    tasks: Vec<String>,
     /// The number of plans that were compared.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.order(iw.Program.load('fixtures/screws.json')).plans > 50
     /// True
-    #[getter]
-    fn plans(&self) -> u64 {
-        self.plans
-    }
-
+    plans: u64,
     /// True if all allowed orders were compared.
     ///
     /// >>> import iiwasim as iw
     /// >>> iw.order(iw.Program.load('fixtures/screws.json')).complete
     /// True
-    #[getter]
-    fn complete(&self) -> bool {
-        self.complete
-    }
+    complete: bool,
+}
 
+#[pymethods]
+impl TaskOrder {
     fn __repr__(&self) -> String {
         let Self { cycle_time_s, changed_cycle_time_s, tasks, .. } = self;
         let count = tasks.len();

@@ -26,27 +26,14 @@ type PlaceNumbers = (f64, f64, f64, f64);
 /// <iiwasim.PlaceMap ... -> ... s, 3 places>
 #[pyclass(frozen, module = "iiwasim")]
 pub(crate) struct PlaceMap {
-    program: Py<Program>,
-    cycle_time_s: f64,
-    changed_cycle_time_s: f64,
-    best: Option<TimedPlace>,
-    places: Vec<TimedPlace>,
-    plans: u64,
-}
-
-#[pymethods]
-impl PlaceMap {
     /// The program at the best place; without one, equal to the given program.
     ///
     /// >>> import iiwasim as iw
     /// >>> program = iw.Program.load('fixtures/pick-and-place.json')
     /// >>> iw.place(program, x_mm=(-50, 50), y_mm=0, steps=3).program
     /// <iiwasim.Program 8 motions, lbr_iiwa_7_r800>
-    #[getter]
-    fn program(&self, py: Python<'_>) -> Py<Program> {
-        self.program.clone_ref(py)
-    }
-
+    #[pyo3(get)]
+    program: Py<Program>,
     /// The cycle time at the present place.
     ///
     /// >>> import iiwasim as iw
@@ -54,11 +41,8 @@ impl PlaceMap {
     /// >>> places = iw.place(program, x_mm=(-50, 50), y_mm=0, steps=3)
     /// >>> abs(places.cycle_time_s - iw.plan(program).cycle_time_s) < 1e-9
     /// True
-    #[getter]
-    fn cycle_time_s(&self) -> f64 {
-        self.cycle_time_s
-    }
-
+    #[pyo3(get)]
+    cycle_time_s: f64,
     /// The cycle time of `program`.
     ///
     /// >>> import iiwasim as iw
@@ -66,11 +50,22 @@ impl PlaceMap {
     /// >>> places = iw.place(program, x_mm=(-50, 50), y_mm=0, steps=3)
     /// >>> places.changed_cycle_time_s < places.cycle_time_s
     /// True
-    #[getter]
-    fn changed_cycle_time_s(&self) -> f64 {
-        self.changed_cycle_time_s
-    }
+    #[pyo3(get)]
+    changed_cycle_time_s: f64,
+    best: Option<TimedPlace>,
+    places: Vec<TimedPlace>,
+    /// The number of plans that were compared.
+    ///
+    /// >>> import iiwasim as iw
+    /// >>> program = iw.Program.load('fixtures/pick-and-place.json')
+    /// >>> iw.place(program, x_mm=(-50, 50), y_mm=0, steps=3).plans > 3
+    /// True
+    #[pyo3(get)]
+    plans: u64,
+}
 
+#[pymethods]
+impl PlaceMap {
     /// The best place: shifts along x, y and z in mm, rotation about z in degrees. None if no place
     /// that keeps the clearances saves a millisecond.
     ///
@@ -119,17 +114,6 @@ impl PlaceMap {
     #[getter]
     fn too_near<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_iter(py, self.places.iter().map(|it| it.is_rejected))
-    }
-
-    /// The number of plans that were compared.
-    ///
-    /// >>> import iiwasim as iw
-    /// >>> program = iw.Program.load('fixtures/pick-and-place.json')
-    /// >>> iw.place(program, x_mm=(-50, 50), y_mm=0, steps=3).plans > 3
-    /// True
-    #[getter]
-    fn plans(&self) -> u64 {
-        self.plans
     }
 
     fn __repr__(&self) -> String {
