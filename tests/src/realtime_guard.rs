@@ -14,8 +14,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Wake-up delay above which a thread counts as delayed by the machine.
-const HELD_UP: Duration = Duration::from_millis(2);
+/// Wake-up delay above which a thread counts as delayed by the machine: the shortest cycle of the
+/// tests. A few answers that are later make the quality of a connection too low for commanding.
+const HELD_UP: Duration = Duration::from_millis(1);
 
 /// Maximum number of attempts.
 const ATTEMPTS: usize = 12;
