@@ -5,9 +5,9 @@ the caller reads the source, sends chunks of programs to the workers, and writes
 Needs Dask: `pip install 'iiwasim[dask]'`. The examples need a cluster: an existing
 `distributed.Client`.
 
-A cluster that has lost all workers is waited for, as in all computations of Dask. If its scheduler
-is started with the setting `distributed.scheduler.no-workers-timeout`, `plan` and `figures` end
-after that time with the error of Dask.
+While a cluster has no workers, `plan` and `figures` wait, like every Dask computation. If the
+scheduler was started with the setting `distributed.scheduler.no-workers-timeout`, they raise the
+error of Dask after that time.
 """
 
 from __future__ import annotations

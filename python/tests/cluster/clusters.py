@@ -51,8 +51,8 @@ def ray_cluster(workers: int = 2) -> Iterator[None]:
 def dask_cluster(workers: int = 2) -> Iterator[distributed.Client]:
     """Dask with `workers` processes of one thread each."""
     with (
-        # By default, Dask gives a worker up if it is missing 15 s after any of its deaths. Where
-        # workers die and the machine is loaded, none may be left then.
+        # By default, Dask removes a worker for good if it is not running 15 s after it died. On a
+        # loaded machine, tests that kill workers could lose all of them.
         dask.config.set({"distributed.deploy.lost-worker-timeout": f"{LONG_S}s"}),
         distributed.LocalCluster(
             n_workers=workers,

@@ -1,5 +1,4 @@
-//! Changes that make a program faster, orders of tasks, and places of the robot (feature
-//! `optimise`).
+//! Reports of program optimisation, task order and robot placement (feature `optimise`).
 
 mod advice_report;
 mod change_rows;
