@@ -126,15 +126,15 @@ impl BoundedRow {
     ) {
         let InteriorSteps { simd, register: r, .. } = *steps;
         let zero = Vector::splat(simd, 0.0);
-        let one = Vector::splat(simd, 1.0);
         let place = [X::of(y), V::of(y)];
         let [mut xx, mut xv, mut vv, mut gx, mut gv] = [zero; 5];
         for row in rows {
             let (px, pv) = (row.x.load(simd, r), row.v.load(simd, r));
             let value = row.value::<LINE, S>(simd, r, place);
             let bounds = row.bounds(simd, r);
-            let Contribution { weights: [a, b], slopes: [up, down], .. } =
-                row.sides.advance(steps, value, bounds, one, sum);
+            let Contribution { weights: [a, b], slopes: [up, down], residual, .. } =
+                row.sides.advance(steps, value, bounds, sum);
+            sum.residual = sum.residual.max(residual);
             let (both, slope) = (a + b, up - down);
             let bv = both * pv;
             vv = bv.mul_add(pv, vv);

@@ -614,7 +614,7 @@ impl AnyBlock<'_> {
                     JerkRow::find_steps::<LINE, MiddleX, MiddleV, MiddleW, S>(
                         in_middle, r, both, decreases,
                     );
-                    largest.slack = largest.slack.max(decreases.slack.largest());
+                    largest.slack = largest.slack.max(decreases.slack());
                     largest.x = largest.x.max(decreases.x.largest());
                     // False for NaN, so that this case is not passed over.
                     let is_irrelevant =

@@ -119,13 +119,13 @@ impl JerkRow {
         let [mut xx, mut xv, mut xw, mut vv, mut vw, mut ww] = [zero; 6];
         let [mut gx, mut gv, mut gw] = [zero; 3];
         // Factors of the slope of the bound: sums and differences over the two sides.
-        let [mut ex, mut ev, mut ew, mut weights, mut slopes, mut duals] = [zero; 6];
+        let [mut ex, mut ev, mut ew, mut weights, mut slopes, mut duals, mut largest] = [zero; 7];
         for row in rows {
             let (jx, jv, jw) = (row.x.load(simd, r), row.v.load(simd, r), row.w.load(simd, r));
             let value = row.value::<LINE, S>(simd, r, place);
-            // Jerk relative to its limit is root times the value of the row.
-            let Contribution { weights: [a, b], slopes: [up, down], duals: row_duals } =
-                row.sides.advance(steps, value, [-bound, bound], root, sum);
+            let Contribution { weights: [a, b], slopes: [up, down], duals: of_row, residual } =
+                row.sides.advance(steps, value, [-bound, bound], sum);
+            largest = largest.max(residual);
             let (both, apart) = (a + b, a - b);
             let apart_slope = up - down;
             let bw = both * jw;
@@ -146,8 +146,10 @@ impl JerkRow {
             }
             weights = weights + both;
             slopes = slopes + up + down;
-            duals = duals + row_duals;
+            duals = duals + of_row;
         }
+        // Jerk relative to its limit is root times the value of the row.
+        sum.residual = sum.residual.max(largest * root);
         // The curvature of the Lagrangian in x is (weight - duals) 3/4 x^(-5/2), negative where
         // duals are large. The step needs a convex model, so the curvature enters by its magnitude,
         // bounded from below.

@@ -118,6 +118,8 @@ pub(crate) struct Contribution<S: Simd> {
     pub(crate) slopes: [Vector<S>; 2],
     /// Sum of both duals.
     pub(crate) duals: Vector<S>,
+    /// Larger one of both residuals.
+    pub(crate) residual: Vector<S>,
 }
 
 impl Sides {
@@ -139,26 +141,24 @@ impl Sides {
         below.start(start, value - lower, min_slack[1]);
     }
 
-    /// Applies the last step, and adds the row to the gap and to the residual. The residual is that
-    /// of the row times `scale`.
+    /// Applies the last step, and adds the row to the gap.
     #[inline(always)]
     pub(crate) fn advance<S: Simd>(
         &mut self,
         steps: &InteriorSteps<S>,
         value: Vector<S>,
         [lower, upper]: [Vector<S>; 2],
-        scale: Vector<S>,
         sum: &mut Terms<S>,
     ) -> Contribution<S> {
         let Self([above, below]) = self;
         let (above, below) = (above.advance(steps), below.advance(steps));
         let misses = [value - upper + above.s, below.s - value + lower];
         sum.gap = above.s.mul_add(above.z, below.s.mul_add(below.z, sum.gap));
-        sum.residual = sum.residual.max(misses[0].abs().max(misses[1].abs()) * scale);
         Contribution {
             weights: [above.weight, below.weight],
             slopes: [above.slope(steps, misses[0]), below.slope(steps, misses[1])],
             duals: above.z + below.z,
+            residual: misses[0].abs().max(misses[1].abs()),
         }
     }
 
@@ -174,8 +174,8 @@ impl Sides {
         let Self([above, below]) = self;
         let above = above.find_step(r, upper - value);
         let below = below.find_step(r, value - lower);
-        decreases.slack = decreases.slack.max(above).max(below);
-        decreases.min_slack = decreases.min_slack.min(above).min(below);
+        decreases.least_growth = decreases.least_growth.min(above).min(below);
+        decreases.largest_growth = decreases.largest_growth.max(above).max(below);
     }
 
     /// Raises the largest decrease of duals to that of these, after [`Self::find_steps`].
@@ -231,14 +231,14 @@ impl SlackPair {
         Advanced { s, z, inverse, weight: z * inverse }
     }
 
-    /// Sets the step that makes the slack equal to `room`. Returns the relative decrease of the
-    /// slack in a full step.
+    /// Sets the step that makes the slack equal to `room`. Returns the relative growth of the slack
+    /// in a full step.
     #[inline(always)]
     fn find_step<S: Simd>(&mut self, r: usize, room: Vector<S>) -> Vector<S> {
         let simd = room.simd();
         let ds = room - self.s.load(simd, r);
         self.ds.store(r, ds);
-        -(ds * self.inverse.load(simd, r))
+        ds * self.inverse.load(simd, r)
     }
 
     /// Relative decrease of the dual in a full step, `1 + ds / s - mu / (s z)`: by linearised
@@ -255,24 +255,30 @@ impl SlackPair {
 
 /// Largest relative decreases of slacks, duals and x in a full step, for one register of lanes.
 pub(crate) struct Decreases<S: Simd> {
-    pub(crate) slack: Vector<S>,
-    /// Smallest relative decrease of a slack; below zero where a slack grows.
-    min_slack: Vector<S>,
+    /// Least and largest relative growth of a slack; below zero where a slack decreases.
+    least_growth: Vector<S>,
+    largest_growth: Vector<S>,
     pub(crate) dual: Vector<S>,
     pub(crate) x: Vector<S>,
 }
 
 impl<S: Simd> Decreases<S> {
+    /// Largest relative decrease of a slack.
+    #[inline(always)]
+    pub(crate) fn slack(&self) -> f64 {
+        (-self.least_growth).largest()
+    }
+
     /// Upper bound of the relative decrease of any dual, which needs no division: a dual decreases
     /// by at most its own value, and by the relative growth of its slack.
     #[inline(always)]
     pub(crate) fn dual_bound(&self) -> f64 {
-        1.0 + (-self.min_slack).largest()
+        1.0 + self.largest_growth.largest()
     }
 
     #[inline(always)]
     pub(crate) fn new(simd: S) -> Self {
         let zero = Vector::splat(simd, 0.0);
-        Self { slack: zero, min_slack: zero, dual: zero, x: zero }
+        Self { least_growth: zero, largest_growth: zero, dual: zero, x: zero }
     }
 }

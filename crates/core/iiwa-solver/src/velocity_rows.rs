@@ -61,11 +61,11 @@ impl VelocityRows {
         y: &[Vector<S>; 4],
         sum: &mut Terms<S>,
     ) {
-        let one = Vector::splat(steps.simd, 1.0);
         let row = self.x.load(steps.simd, steps.register);
         let value = row * X::of(y);
-        let Contribution { weights: [a, b], slopes: [up, down], .. } =
-            self.sides.advance(steps, value, bounds(steps.simd), one, sum);
+        let Contribution { weights: [a, b], slopes: [up, down], residual, .. } =
+            self.sides.advance(steps, value, bounds(steps.simd), sum);
+        sum.residual = sum.residual.max(residual);
         sum.add_square::<X>((a + b) * row * row);
         sum.add_linear::<X>((up - down) * row);
     }
