@@ -166,9 +166,13 @@ def program_is_simulated_sent_and_replayed(browser: Browser, twin: Twin) -> None
     # the run may be over.
     browser.run("document.getElementById('history-torque').scrollIntoView({ block: 'center' })")
     browser.until("left_ !== null && live.newest.t_s - left_ > 3")
+    # The sample with planned torques that is nearest to 2.5 s after the start: a busy page misses
+    # samples.
     q, *both, planned = browser.run(
-        "(() => { const at = countUpTo(history_.t_s.subarray(0, history_.count), left_ + 2.5), i = "
-        "NUMBERS * at;"
+        "(() => { const from = i => Math.abs(history_.t_s[i] - left_ - 2.5);"
+        " const at = [...Array(history_.count).keys()]"
+        ".filter(i => !Number.isNaN(history_.rows[NUMBERS * i + PLANNED]))"
+        ".reduce((a, b) => from(b) < from(a) ? b : a), i = NUMBERS * at;"
         " const seven = it => [...history_.rows.slice(i + it, i + it + 7)];"
         " return [seven(0), seven(MEASURED), seven(PLANNED), [...jointsAt(desk.plan.arms[0], "
         "history_.t_s[at] - left_)]] })()"

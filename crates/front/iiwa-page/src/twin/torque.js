@@ -1,7 +1,8 @@
 // Planned torques while the robot runs the plan, for comparison with measured torques.
 
-/** The current run: joint positions at its start, and the time of departure by the drive clock. */
-const watched = { from_rad: null, left_s: null };
+/** The current run: joint positions at its start; by the clock of the drive, the time of the last
+    sample there, and the time at which the plan began. */
+const watched = { from_rad: null, rested_s: null, left_s: null };
 
 /** Joint deviation from the start, in rad, that counts as departure: more than noise. */
 const LEFT_RAD = 2e-3;
@@ -14,15 +15,38 @@ function watchRun(isRunning) {
   const START_RAD = 0.02;
   const [q, start] = [live.newest?.joints_rad, desk.plan?.start_rad];
   const isAtStart = isRunning && q && start && farthest(q, start) < START_RAD;
-  [watched.from_rad, watched.left_s] = [isAtStart ? q : null, null];
+  watched.from_rad = isAtStart ? q : null;
+  watched.rested_s = live.newest?.t_s ?? null;
+  watched.left_s = null;
 }
 
-/** Time, in s, at which the plan has moved by `LEFT_RAD` from its start. */
-function leavesAt(plan) {
-  const { poses, end_s } = plan.arms[0];
-  const at = (i) => Array.from(poses.q_rad.subarray(7 * i, 7 * i + 7));
-  for (let i = 1; i < poses.count; i++) if (farthest(at(i), at(0)) > LEFT_RAD) return poses.t_s[i];
-  return end_s;
+/** Time of the plan, in s, at which it is nearest to `q`: from its start to `within_s` after its
+    departure. The first sample after the departure is late if the page was busy. */
+function timeAt(plan, q, within_s) {
+  const { t_s, q_rad, count } = plan.arms[0].poses;
+  const at = (i) => Array.from(q_rad.subarray(7 * i, 7 * i + 7));
+  const dot = (a, b) => a.reduce((sum, v, j) => sum + v * b[j], 0);
+  let [time, nearest, departure] = [0, Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
+  for (let i = 0; i + 1 < count && t_s[i] <= departure + within_s; i++) {
+    const [from, to] = [at(i), at(i + 1)];
+    if (farthest(to, at(0)) > LEFT_RAD) departure = Math.min(departure, t_s[i + 1]);
+    const way = to.map((v, j) => v - from[j]);
+    const square = dot(way, way);
+    const along =
+      square > 0
+        ? dot(
+            way,
+            q.map((v, j) => v - from[j]),
+          ) / square
+        : 0;
+    const share = Math.min(Math.max(along, 0), 1);
+    const apart = farthest(
+      q,
+      from.map((v, j) => v + share * way[j]),
+    );
+    if (apart < nearest) [time, nearest] = [t_s[i] + share * (t_s[i + 1] - t_s[i]), apart];
+  }
+  return time;
 }
 
 /** Planned joint torques, in Nm, with the robot at `q` at a time of the drive; NaN while the robot
@@ -32,8 +56,11 @@ function plannedTorques(t, q) {
   const { plan } = desk;
   if (!plan || !watched.from_rad) return unknown;
   if (watched.left_s === null) {
-    if (farthest(q, watched.from_rad) <= LEFT_RAD) return unknown;
-    watched.left_s = t - leavesAt(plan);
+    if (farthest(q, watched.from_rad) <= LEFT_RAD) {
+      watched.rested_s = t;
+      return unknown;
+    }
+    watched.left_s = t - timeAt(plan, q, t - watched.rested_s);
   }
   const [at, { torque }] = [t - watched.left_s, plan.arms[0]];
   const { t_s, low, high } = torque;
