@@ -140,3 +140,24 @@ impl RampLaw {
         RampLimits { snap, jerk, damping_per_s: self.damping_per_s }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_override_scales_each_quantity_by_its_power_of_time() {
+        let law = RampLaw::iiwa_7(&[176.0; 7]);
+        let expected = RampLaw {
+            torque_snap_nm_s2: law.torque_snap_nm_s2.map(|snap| snap / 16.0),
+            motor_inertia_kg_m2: law.motor_inertia_kg_m2,
+            start_nm_s: law.start_nm_s.map(|range| range / 8.0),
+            stop_nm_s: law.stop_nm_s.map(|range| range / 8.0),
+            damping_per_s: law.damping_per_s / 2.0,
+            width_rad_s: law.width_rad_s / 2.0,
+            least_cruise_s: law.least_cruise_s * 2.0,
+            spline: law.spline.slowed_down(0.5),
+        };
+        assert_eq!(law.slowed_down(0.5), expected);
+    }
+}

@@ -536,6 +536,21 @@ mod tests {
         assert!((robot.kappa(180.0) - 6.378).abs() < 1e-3);
     }
 
+    #[test]
+    fn limits_that_change_are_no_longer_assumptions() {
+        let robot = Robot::lbr_iiwa_14_r820();
+        let are_assumed = |change: fn(&mut Limits)| {
+            let mut limits = *robot.limits();
+            change(&mut limits);
+            let robot = robot.clone().with_limits(limits);
+            ["acceleration", "jerk"].map(|quantity| robot.assumes(quantity))
+        };
+        assert_eq!(are_assumed(|_| {}), [true, true]);
+        assert_eq!(are_assumed(|limits| limits.velocity_rad_s[2] *= 0.5), [true, true]);
+        assert_eq!(are_assumed(|limits| limits.acceleration_rad_s2[2] *= 0.5), [false, true]);
+        assert_eq!(are_assumed(|limits| limits.jerk_rad_s3[6] *= 2.0), [true, false]);
+    }
+
     /// KUKA data sheets: speeds in deg/s, torques in Nm.
     #[test]
     fn built_in_robots_have_the_limits_of_their_data_sheets() {

@@ -175,6 +175,11 @@ mod tests {
 
     use super::*;
 
+    #[test]
+    fn a_length_is_that_of_a_known_vector() {
+        assert!((norm(&[2.0, -3.0, 6.0]) - 7.0).abs() < 1e-15);
+    }
+
     proptest! {
         #[test]
         fn logarithm_and_exponential_are_inverse(
