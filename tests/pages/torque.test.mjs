@@ -10,8 +10,9 @@ const turned = (t) => {
 };
 const joints = (t) => [turned(t), 0.3, 0, -1, 0, 0.5, 0];
 
-/** A page with a plan whose torque is its time, in Nm, times the number of the joint. */
-function page() {
+/** A page with a plan of these joints whose torque is its time, in Nm, times the number of the
+    joint. */
+function page(joints) {
   const t_s = Float64Array.from({ length: 121 }, (_, i) => i / 40);
   const q_rad = Float32Array.from([...t_s].flatMap((t) => joints(t)));
   const low = Float32Array.from([...t_s].flatMap((t) => [1, 2, 3, 4, 5, 6, 7].map((j) => t * j)));
@@ -31,9 +32,9 @@ function page() {
 }
 
 /** Torques of a run that begins at 100 s by the drive's clock, with samples at these times of the
-    plan; `undefined` before the run is known to the page. */
+    plan. */
 function torques(times) {
-  const { watchRun, sample } = page();
+  const { watchRun, sample } = page(joints);
   sample(99, joints(0));
   watchRun(true);
   return times.map((t) => sample(100 + t, joints(t)));
@@ -62,20 +63,23 @@ test("a page that misses the departure finds the time of the plan from the posit
 });
 
 test("a path that comes back is at its first pass", () => {
-  const { watchRun, sample } = page();
-  sample(99, joints(0));
+  // There and back; joint 2 is a little farther on the way back.
+  const there = (t) => joints(Math.min(t, 3 - t));
+  const both = (t) => there(t).map((q, j) => (j === 1 && t > 1.5 ? q + 1e-3 : q));
+  const { watchRun, sample } = page(both);
+  sample(99, both(0));
   watchRun(true);
-  sample(100.2, joints(0.2));
-  // 0.1 s after the last sample at rest, so that later times of the plan are out of question.
-  const [torque] = sample(100.35, joints(0.35));
-  assert(Math.abs(torque - 0.35) < 0.03, `${torque}`);
+  sample(100.2, both(0.2));
+  // 0.4 s after the last sample at rest, so that the way back is out of question, though nearer.
+  const [torque] = sample(100.6, both(2.4));
+  assert(Math.abs(torque - 0.6) < 0.03, `${torque}`);
 });
 
 test("torques are unknown after the end and outside a run", () => {
   const [, last, after] = torques([1, 2.9, 3.2]);
   assert(!isUnknown(last));
   assert(isUnknown(after));
-  const { watchRun, sample } = page();
+  const { watchRun, sample } = page(joints);
   assert(isUnknown(sample(100, joints(1))));
   // The page was opened during the run, away from the start.
   watchRun(true);

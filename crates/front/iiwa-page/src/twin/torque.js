@@ -7,7 +7,8 @@ const watched = { from_rad: null, rested_s: null, left_s: null };
 /** Joint deviation from the start, in rad, that counts as departure: more than noise. */
 const LEFT_RAD = 2e-3;
 
-const farthest = (a, b) => Math.max(...a.map((v, j) => Math.abs(v - b[j])));
+const minus = (a, b) => a.map((v, j) => v - b[j]);
+const farthest = (a, b) => Math.max(...minus(a, b).map(Math.abs));
 
 /** Registers the start or the end of a run. A page that is opened during a run cannot determine its
     progress. */
@@ -30,19 +31,12 @@ function timeAt(plan, q, within_s) {
   for (let i = 0; i + 1 < count && t_s[i] <= departure + within_s; i++) {
     const [from, to] = [at(i), at(i + 1)];
     if (farthest(to, at(0)) > LEFT_RAD) departure = Math.min(departure, t_s[i + 1]);
-    const way = to.map((v, j) => v - from[j]);
+    const [way, off] = [minus(to, from), minus(q, from)];
     const square = dot(way, way);
-    const along =
-      square > 0
-        ? dot(
-            way,
-            q.map((v, j) => v - from[j]),
-          ) / square
-        : 0;
-    const share = Math.min(Math.max(along, 0), 1);
+    const share = square > 0 ? Math.min(Math.max(dot(way, off) / square, 0), 1) : 0;
     const apart = farthest(
-      q,
-      from.map((v, j) => v + share * way[j]),
+      off,
+      way.map((v) => share * v),
     );
     if (apart < nearest) [time, nearest] = [t_s[i] + share * (t_s[i + 1] - t_s[i]), apart];
   }
